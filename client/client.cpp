@@ -15,6 +15,8 @@ using Clock = std::chrono::steady_clock;
 
 // Heartbeats that may fail to come before a server is taken for dead: any may be late.
 constexpr int kHeartbeatsMissed = 3;
+/// Of requests whose answers nobody waits for.
+constexpr std::uint64_t kSent = std::uint64_t{1} << 63;
 
 struct Client::State {
   Connection connection;
@@ -47,6 +49,8 @@ struct Client::State {
   Status receive_and_handle(Message& message, Timeout timeout);
   Status dispatch(const Message& message);
   Status keep_replay_state(const Message& message);
+  Status refused_pose(const wire::Error& error);
+  Status unsolicited(const Message& message);
   Status doubt_server(Status status);
 };
 
@@ -59,6 +63,13 @@ Request about(const std::string& radar) {
   return request;
 }
 
+template <typename Request>
+void name_kinds(wire::ClaimSet claims, Request& request) {
+  for (int i = 0; i < wire::kClaims; ++i)
+    if ((claims & claim_bit(static_cast<wire::Claim>(i))) != 0)
+      request.add_kinds(static_cast<wire::ClaimKind>(i));
+}
+
 // Others may ask whether this client is there, at any time.
 Status answer_heartbeat(Connection& connection, const Message& message) {
   wire::Heartbeat asked;
@@ -67,14 +78,6 @@ Status answer_heartbeat(Connection& connection, const Message& message) {
   wire::Heartbeat answer;
   answer.set_request_id(asked.request_id());
   return connection.send(MessageType::heartbeat, answer);
-}
-
-// A message that answers no request. Anything but an Error is skipped.
-Status unsolicited(const Message& message) {
-  if (message.header.type != MessageType::error) return {};
-  wire::Error error;
-  if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
-  return Status::from_error(error);
 }
 
 }  // namespace
@@ -107,6 +110,7 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
       if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
       // Faults of a radar that answer nothing do not concern this call; those of the connection do.
       if (error.request_id() == last_request || error.number() < 100) return Status::from_error(error);
+      if (Status status = refused_pose(error); !status.ok()) return status;
     } else if (message.header.type == MessageType::heartbeat) {
       if (Status status = answer_heartbeat(connection, message); !status.ok()) return status;
     } else if (message.header.type == MessageType::replay_state) {
@@ -144,6 +148,19 @@ Status Client::State::dispatch(const Message& message) {
   FrameHandler none;
   return dispatch_frame(message.header, message.descriptor(), message.plane(),
                         handler != nullptr ? *handler : none);
+}
+
+Status Client::State::refused_pose(const wire::Error& error) {
+  if ((error.request_id() & kSent) == 0 || handler == nullptr) return {};
+  return handler->on_refused_pose(Status::from_error(error));
+}
+
+// A message that answers no call. Anything but an Error is skipped.
+Status Client::State::unsolicited(const Message& message) {
+  if (message.header.type != MessageType::error) return {};
+  wire::Error error;
+  if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
+  return (error.request_id() & kSent) != 0 ? refused_pose(error) : Status::from_error(error);
 }
 
 Status Client::State::keep_replay_state(const Message& message) {
@@ -218,6 +235,19 @@ Status Client::claim_control(const std::string& radar, bool force) {
   return state_->acknowledged(MessageType::claim_control, request);
 }
 
+Status Client::claim(const std::string& radar, wire::ClaimSet claims, bool force) {
+  auto request = about<wire::ClaimControl>(radar);
+  request.set_force(force);
+  name_kinds(claims, request);
+  return state_->acknowledged(MessageType::claim_control, request);
+}
+
+Status Client::release(const std::string& radar, wire::ClaimSet claims) {
+  auto request = about<wire::ReleaseControl>(radar);
+  name_kinds(claims, request);
+  return state_->acknowledged(MessageType::release_control, request);
+}
+
 Status Client::release_control(const std::string& radar) {
   auto request = about<wire::ReleaseControl>(radar);
   return state_->acknowledged(MessageType::release_control, request);
@@ -233,6 +263,21 @@ Status Client::set_pose(const std::string& radar, const wire::Pose& pose, wire::
   auto request = about<wire::SetPose>(radar);
   *request.mutable_pose() = pose;
   return state_->call(MessageType::set_pose, request, MessageType::ack, ack);
+}
+
+Status Client::send_pose(const std::string& radar, const wire::Pose& pose) {
+  auto request = about<wire::SetPose>(radar);
+  *request.mutable_pose() = pose;
+  request.set_request_id(kSent | ++state_->last_request);
+  if (Status sent = state_->connection.send(MessageType::set_pose, request);
+      !sent.ok() && sent.outcome != Outcome::closed)
+    return sent;
+  // Answers that nobody took would fill the connection.
+  for (;;) {
+    Status status = receive(Timeout{0});
+    if (status.outcome == Outcome::timed_out) return {};
+    if (!status.ok()) return status;
+  }
 }
 
 Status Client::set_state(const std::string& radar, std::optional<bool> transmit, std::optional<bool> freeze) {
@@ -266,6 +311,28 @@ Status Client::render_once(wire::RenderOnce& request) {
 Status Client::get_status(wire::Status& status) {
   wire::GetStatus request;
   return state_->call(MessageType::get_status, request, MessageType::status, status);
+}
+
+Status Client::get_exercise(wire::ExerciseState& state) {
+  wire::GetExercise request;
+  return state_->call(MessageType::get_exercise, request, MessageType::exercise_state, state);
+}
+
+Status Client::load_exercise(const wire::ExerciseState& state) {
+  wire::LoadExercise request;
+  *request.mutable_state() = state;
+  return state_->acknowledged(MessageType::load_exercise, request);
+}
+
+Status Client::reset_exercise(const std::string& radar) {
+  auto request = about<wire::ResetExercise>(radar);
+  return state_->acknowledged(MessageType::reset_exercise, request);
+}
+
+Status Client::freeze_exercise(bool on) {
+  wire::SetExercise request;
+  request.set_frozen(on);
+  return state_->acknowledged(MessageType::set_exercise, request);
 }
 
 Status Client::set_replay(wire::SetReplay& request) {

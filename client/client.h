@@ -8,6 +8,7 @@
 
 #include "client/connection.h"
 #include "client/frame_dispatch.h"
+#include "proto/claim.h"
 #include "proto/ground_record.h"
 #include "proto/plane.h"
 
@@ -25,6 +26,7 @@ class QueryGround;
 class GroundAnswer;
 class SetReplay;
 class ReplayState;
+class ExerciseState;
 }  // namespace obliq::wire
 
 namespace obliq::client {
@@ -63,11 +65,20 @@ class Client {
 
   Status list_radars(wire::RadarList& list);
   Status get_radar(const std::string& radar, wire::RadarInfo& info);
-  /// force: also from another client, for an admin.
+  /// Pose and settings. force: also from another client, for an admin.
   Status claim_control(const std::string& radar, bool force = false);
+  /// These alone: a host that flies the radar takes its pose, an operator its settings. All of them or none.
+  /// A server of version 1.1 gives both, whatever is asked for.
+  Status claim(const std::string& radar, wire::ClaimSet claims, bool force = false);
+  /// All that this client holds.
   Status release_control(const std::string& radar);
+  Status release(const std::string& radar, wire::ClaimSet claims);
   Status set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack);
   Status set_pose(const std::string& radar, const wire::Pose& pose, wire::Ack& ack);
+  /// As set_pose without its answer: for a host that moves the antenna in a loop of its own. Handles what has
+  /// arrived meanwhile and waits for nothing; a refusal comes to FrameHandler::on_refused_pose, in this or a
+  /// later call.
+  Status send_pose(const std::string& radar, const wire::Pose& pose);
   /// Transmit and freeze, on or off; nothing leaves one as it is.
   Status set_state(const std::string& radar, std::optional<bool> transmit, std::optional<bool> freeze);
   Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);
@@ -77,6 +88,15 @@ class Client {
   /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
   Status render_once(wire::RenderOnce& request);
   Status get_status(wire::Status& status);
+  // The exercise: all radars of a server of version 1.2. What needs both claims of all of them an admin may
+  // do without.
+  Status get_exercise(wire::ExerciseState& state);
+  /// All of it or nothing.
+  Status load_exercise(const wire::ExerciseState& state);
+  /// To the scene file's settings, pose and switches. Empty: all radars.
+  Status reset_exercise(const std::string& radar);
+  /// Clock, antenna and noise of all radars stand, for all clients, or go on.
+  Status freeze_exercise(bool on);
   /// Pauses a replay, changes its speed or its place, for all that watch it. request's number is set. Refused
   /// with error 126 by a server whose radars are live.
   Status set_replay(wire::SetReplay& request);

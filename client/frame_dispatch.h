@@ -14,8 +14,8 @@ class FrameAbort;
 
 namespace obliq::client {
 
-/// Receives the frames that arrive. A status that is not ok ends the client's receive call with it. Called
-/// in the thread that is in a call of the client; no exception may leave it.
+/// Receives the frames that arrive, and what else answers no call. A status that is not ok ends the client's
+/// receive call with it. Called in the thread that is in a call of the client; no exception may leave it.
 class FrameHandler {
  public:
   virtual ~FrameHandler() = default;
@@ -29,6 +29,8 @@ class FrameHandler {
   virtual Status on_abort(const wire::MessageHeader&, const wire::FrameAbort&) { return {}; }
   /// The connection is gone: of a frame that has begun, no more will come.
   virtual void on_lost() {}
+  /// The server refuses a pose of Client::send_pose. A status that is not ok ends the call as well.
+  virtual Status on_refused_pose(const Status& /*why*/) { return {}; }
 };
 
 /// Whether a message belongs to a frame.

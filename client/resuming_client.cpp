@@ -74,6 +74,11 @@ Status ResumingClient::claim_control(const std::string& radar) {
   return hold("control of " + radar, [radar](Client& client) { return client.claim_control(radar); });
 }
 
+Status ResumingClient::claim(const std::string& radar, wire::ClaimSet claims) {
+  return hold(wire::claim_names(claims) + " of " + radar,
+              [radar, claims](Client& client) { return client.claim(radar, claims); });
+}
+
 Status ResumingClient::subscribe(const wire::Subscribe& request) {
   return hold("frames of " + request.radar(), [request](Client& client) {
     wire::Subscribe again = request;

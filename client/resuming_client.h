@@ -30,12 +30,14 @@ class ResumingClient {
   /// For requests that need not be repeated. One that fails because the connection is lost is the caller's to
   /// repeat: receive() takes the connection up again.
   Client& client() { return client_; }
+  const Client& client() const { return client_; }
 
   /// Makes a request now and, if it succeeds, again on each new connection, in this order. `name`: an earlier
   /// request of that name is replaced in its place.
   Status hold(const std::string& name, std::function<Status(Client&)> request);
   void forget(const std::string& name);
   Status claim_control(const std::string& radar);
+  Status claim(const std::string& radar, wire::ClaimSet claims);
   Status subscribe(const std::string& radar, double rate_hz, wire::PlaneSet planes = wire::kAllPlanes);
   Status subscribe(const wire::Subscribe& request);
 

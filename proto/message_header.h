@@ -14,7 +14,7 @@ namespace obliq::wire {
 
 constexpr std::uint32_t kMagic = 0x514C424F;  ///< the bytes "OBLQ"
 constexpr std::uint8_t kMajorVersion = 1;
-constexpr std::uint8_t kMinorVersion = 1;
+constexpr std::uint8_t kMinorVersion = 2;
 constexpr std::size_t kHeaderBytes = 48;      ///< of this version
 constexpr std::size_t kMaxHeaderBytes = 256;  ///< of any later minor version
 constexpr std::size_t kCrcOffset = 40;

@@ -31,6 +31,12 @@ enum class MessageType : std::uint16_t {
   set_replay = 32,
   replay_state = 33,
 
+  reset_exercise = 37,
+  get_exercise = 38,
+  exercise_state = 39,
+  load_exercise = 40,
+  set_exercise = 41,
+
   frame_begin = 48,
   wedge_block = 49,
   frame_end = 50,

@@ -216,14 +216,15 @@ check_kubernetes() {
 check_opendis() {
   with_wheel opendis numpy protobuf google-crc32c opendis || return
   on_daemon "$work/env-opendis/bin/python" - <<'PY'
-import io, math, os, re, signal, socket, subprocess, time
+import io, math, os, re, signal, socket, struct, subprocess, time
+from opendis import dis7
 from opendis.DataOutputStream import DataOutputStream
 from opendis.RangeCoordinates import GPS
 from opendis.dis7 import EntityStatePdu
 import obliq
 
 ride = subprocess.Popen([os.environ["OBLIQ_BIN"] + "/obliq", "fly", "--server", os.environ["address"], "--radar", "main", "--dis",
-                         "17:23:42", "--udp", "0"], stdout=subprocess.PIPE, text=True)
+                         "17:23:42", "--udp", "0"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = int(re.search(r"127.0.0.1:(\d+)", ride.stdout.readline()).group(1))
 sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 with obliq.connect(os.environ["address"]) as server:
@@ -249,9 +250,35 @@ with obliq.connect(os.environ["address"]) as server:
         assert abs(off) < 1e-3, (heading, pose)
         assert abs(pose.latitude_deg - 33.02) < 1e-7 and abs(pose.longitude_deg + 99.48) < 1e-7, pose
         assert abs(pose.height_m - 1800) < 0.05, pose
+    # Orders of a simulation's manager, and a frozen entity, as opendis writes them.
+    def send(pdu, kind, family, **fields):
+        pdu.pduType, pdu.protocolFamily, pdu.exerciseID, pdu.pduStatus = kind, family, 1, 0
+        for name, value in fields.items():
+            setattr(pdu, name, value)
+        stream = io.BytesIO()
+        pdu.serialize(DataOutputStream(stream))
+        sender.sendto(stream.getvalue(), ("127.0.0.1", port))
+    def until(holds):
+        end = time.monotonic() + 20
+        while not holds() and time.monotonic() < end:
+            time.sleep(0.01)
+        assert holds()
+    radar = server.radar("main")
+    for kind, pdu, frozen in ((14, dis7.StopFreezePdu(), True), (13, dis7.StartResumePdu(), False)):
+        send(pdu, kind, 5, receivingEntityID=dis7.EntityID(17, 65535, 65535))
+        until(lambda: radar.info().frozen == frozen)
+    data[84:88] = (1 << 21).to_bytes(4, "big")
+    data[36:48] = struct.pack(">3f", 500, 500, 500)
+    data[88] = 2
+    sender.sendto(data, ("127.0.0.1", port))
+    first = radar.pose
+    until(lambda: radar.pose.pose_id > first.pose_id + 5)
+    assert abs(radar.pose.latitude_deg - 33.02) < 1e-7, radar.pose
+    send(dis7.RemoveEntityPdu(), 12, 5, receivingEntityID=dis7.EntityID(17, 23, 42))
 ride.send_signal(signal.SIGINT)
-assert ride.wait(20) == 0
-print(len(data), "bytes of opendis, five headings")
+said = ride.communicate(timeout=20)[1]
+assert ride.returncode == 0 and "was removed" in said, said
+print(len(data), "bytes of opendis, five headings, four orders and states")
 PY
 }
 

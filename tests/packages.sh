@@ -21,7 +21,7 @@ there=$scratch/stage/opt/obliq
 # Every kind of file is there.
 for file in bin/obliqd bin/obliq bin/obliq-first-start lib/systemd/system/obliqd.service lib/systemd/system/obliq-cat240@.service \
   lib/sysusers.d/obliq.conf share/man/man1/obliqd.1 share/man/man1/obliq-watch.1 share/bash-completion/completions/obliq \
-  share/zsh/vendor-completions/_obliq share/obliq/scenes/demo_hills.toml share/doc/obliq/LICENSE share/doc/obliq/PAPER.md \
+  share/zsh/vendor-completions/_obliq share/obliq/scenes/demo_hills.toml share/obliq/presets/marine_x.toml share/doc/obliq/LICENSE share/doc/obliq/PAPER.md \
   share/doc/obliq/THIRD_PARTY.md share/doc/obliq/obliq.spdx.json include/obliq/client/client.h include/obliq/proto/obliq.pb.h; do
   [ -e "$there/$file" ] || {
     echo "not installed: $file"

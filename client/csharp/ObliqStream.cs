@@ -62,10 +62,10 @@ namespace Obliq
     [Serializable, DataContract]
     public sealed class RadarInfo
     {
-        [DataMember] public string request_id, radar, controller, fault, settings_version;
+        [DataMember] public string request_id, radar, controller, settings_controller, fault, settings_version;
         [DataMember] public RadarSettings settings;
         [DataMember] public Pose pose;
-        [DataMember] public bool controlled_by_you, transmit_off, frozen, pose_stale;
+        [DataMember] public bool controlled_by_you, transmit_off, frozen, exercise_frozen, pose_stale;
     }
 
     [Serializable, DataContract]
@@ -229,7 +229,7 @@ namespace Obliq
         // The integers among the fields of RadarSettings and of Pose, as obliq.proto has them.
         private static readonly string[] Int32s = {
             "pixel_columns", "pixel_rows", "azimuth_bins", "range_bins", "scan_dwell_bins", "sub_columns",
-            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks" };
+            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks", "planes_per_bin" };
         private static readonly string[] Int64s = {
             "speckle_seed", "noise_seed", "sim_time_ns" };
         private static readonly string[] Uint64s = {
@@ -296,6 +296,7 @@ namespace Obliq
         {
             Hello = 1, Welcome = 2, Ack = 3, Error = 4, Heartbeat = 5, GetRadar = 18, RadarInfo = 19, ClaimControl = 20,
             ReleaseControl = 21, SetSettings = 22, SetPose = 23, Subscribe = 24, Unsubscribe = 25, RenderOnce = 26, SetState = 29,
+            ResetExercise = 37, SetExercise = 41,
             FrameBegin = 48, WedgeBlock = 49, FrameEnd = 50, FrameAbort = 51
         }
 
@@ -334,7 +335,7 @@ namespace Obliq
             stream.socket_.Options.AddSubProtocol("obliq.v1.json");
             await stream.socket_.ConnectAsync(new Uri(url), stream.closing_.Token).ConfigureAwait(false);
             _ = Task.Run(() => stream.ReadAsync());
-            var hello = new Fields().Add("major", 1L).Add("minor", 1L).Add("client_name", name).Add("token", token);
+            var hello = new Fields().Add("major", 1L).Add("minor", 2L).Add("client_name", name).Add("token", token);
             stream.Welcome = Json<Welcome>((string)await stream.AskAsync(Type.Hello, hello).ConfigureAwait(false));
             return stream;
         }
@@ -345,16 +346,34 @@ namespace Obliq
         {
             return Json<RadarInfo>((string)await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false));
         }
+        /// <summary>All settings of a radar, by the names of obliq.proto: gain, STC, beam, noise, rain and the rest. Numbers are
+        /// texts with a point ("receiver_gain_db": "-6.5"), switches "true" or "false", choices their names.</summary>
+        public async Task<Dictionary<string, string>> GetSettingsAsync(string radar)
+        {
+            return Scalars((string)await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false), "settings");
+        }
         /// <param name="planes">"VIDEO", "IQ", "STATE".</param>
         public Task<Ack> SubscribeAsync(string radar, double rateHz, params string[] planes)
         {
             return AckAsync(Type.Subscribe, new Fields().Add("radar", radar).Add("rate_hz", rateHz).Add("planes", planes));
         }
         public Task<Ack> UnsubscribeAsync(string radar) { return AckAsync(Type.Unsubscribe, new Fields().Add("radar", radar)); }
+        /// <summary>Pose and settings.</summary>
         public Task<Ack> ClaimAsync(string radar, bool force = false)
         {
             return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force));
         }
+        /// <summary>The radar's knobs alone, while another client may fly it.</summary>
+        public Task<Ack> ClaimSettingsAsync(string radar, bool force = false)
+        {
+            return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force).Add("kinds", new[] { "SETTINGS_CLAIM" }));
+        }
+        /// <summary>The radar's pose alone, while another client may turn its knobs.</summary>
+        public Task<Ack> ClaimPoseAsync(string radar, bool force = false)
+        {
+            return AckAsync(Type.ClaimControl, new Fields().Add("radar", radar).Add("force", force).Add("kinds", new[] { "POSE_CLAIM" }));
+        }
+        /// <summary>All that this client holds.</summary>
         public Task<Ack> ReleaseAsync(string radar) { return AckAsync(Type.ReleaseControl, new Fields().Add("radar", radar)); }
         /// <param name="pose">Fields of Pose that change: new Fields().Add("bearing_deg", 0.0)</param>
         public Task<Ack> SetPoseAsync(string radar, Fields pose)
@@ -376,12 +395,22 @@ namespace Obliq
             if (freeze != null) state.Add("freeze", freeze.Value);
             return AckAsync(Type.SetState, state);
         }
+        /// <summary>Puts a radar, or all (""), back to the scene file's settings, pose and switches; for who holds both claims, or an admin.</summary>
+        public Task<Ack> ResetExerciseAsync(string radar = "") { return AckAsync(Type.ResetExercise, new Fields().Add("radar", radar)); }
+        /// <summary>Stops all radars for all stations, clock, antenna and noise, or lets them go on; for who holds all claims, or an admin.</summary>
+        public Task<Ack> FreezeExerciseAsync(bool on) { return AckAsync(Type.SetExercise, new Fields().Add("frozen", on)); }
         /// <summary>One frame for this client alone, of no live radar: its name is only echoed.</summary>
         /// <param name="pose">At least latitude_deg, longitude_deg and height_m.</param>
         /// <param name="settings">What is not in it has its default, not a live radar's value.</param>
         public async Task<Frame> RenderOnceAsync(string radar, Fields pose, Fields settings, params string[] planes)
         {
             return (Frame)await AskAsync(Type.RenderOnce, new Fields().Add("radar", radar).Add("pose", pose)
+                .Add("settings", settings ?? new Fields()).Add("planes", planes)).ConfigureAwait(false);
+        }
+        /// <summary>As RenderOnceAsync, but what pose and settings do not have is as the live radar has it now.</summary>
+        public async Task<Frame> RenderAsLiveAsync(string radar, Fields pose, Fields settings, params string[] planes)
+        {
+            return (Frame)await AskAsync(Type.RenderOnce, new Fields().Add("radar", radar).Add("as_live", true).Add("pose", pose ?? new Fields())
                 .Add("settings", settings ?? new Fields()).Add("planes", planes)).ConfigureAwait(false);
         }
         /// <summary>The newest whole frame that has not been taken; of a turning radar a whole pass.</summary>
@@ -618,6 +647,22 @@ namespace Obliq
                 int most = 2 * frame.AzimuthBins * frame.Planes().Count;
                 while (queue.Rows > most && queue.Count > 1) queue.Rows -= queue.Dequeue().AzimuthCount;
             }
+        }
+
+        // The members of an object without objects in it, as the server writes it: numbers, names, true and false.
+        private static Dictionary<string, string> Scalars(string json, string name)
+        {
+            var found = new Dictionary<string, string>();
+            int at = json.IndexOf("\"" + name + "\"", StringComparison.Ordinal);
+            at = at < 0 ? -1 : json.IndexOf('{', at);
+            int end = at < 0 ? -1 : json.IndexOf('}', at);
+            if (end < 0) return found;
+            foreach (var member in json.Substring(at + 1, end - at - 1).Split(','))
+            {
+                int colon = member.IndexOf(':');
+                if (colon > 0) found[member.Substring(0, colon).Trim().Trim('"')] = member.Substring(colon + 1).Trim().Trim('"');
+            }
+            return found;
         }
 
         private static T Json<T>(string text)

@@ -1,7 +1,8 @@
 // A host that commands the beam: every 1/60 s it asks for one dwell of 16 degrees, with the pose, tilt and
 // noise of that moment, and takes the answers in order. No live radar is touched; the same mission gives the
 // same bits, whenever it is flown, here and by client/python/examples/dwell.py.
-//   dwell HOST:PORT [RADAR] [DWELLS] [iq|video]   the radar's settings are taken, but for sector and scan
+//   dwell HOST:PORT [RADAR] [DWELLS] [iq|video]   each is as the live radar is (as_live), but for sector and
+//   scan
 #include <algorithm>
 #include <bit>
 #include <chrono>
@@ -117,12 +118,11 @@ int main(int argc, char** argv) {
   wire::RenderOnce request;
   request.set_radar(radar);
   request.add_planes(plane == "iq" ? wire::IQ : wire::VIDEO);
+  request.set_as_live(true);
   wire::RadarSettings& settings = *request.mutable_settings();
-  settings = info.settings();
-  // As many bins a degree as the whole sector has, in wedges of eight.
-  const double per_deg = settings.azimuth_bins() / settings.sector_deg();
+  // As many bins a degree as the whole sector has, in wedges of eight; planes_per_bin stays the radar's.
+  const double per_deg = info.settings().azimuth_bins() / info.settings().sector_deg();
   settings.set_azimuth_bins(std::max(8, static_cast<int>(per_deg * kDwell_deg) / 8 * 8));
-  settings.set_pixel_columns(2 * settings.azimuth_bins());
   settings.set_sector_deg(kDwell_deg);
   settings.set_scan_mode(wire::FRAME_SCAN);
 

@@ -1,4 +1,4 @@
-// A host that flies a radar: claims it, sends poses at 60 Hz by its own clock, takes each wedge as it comes,
+// A host that flies a radar while others may turn its knobs: claims its pose, sends poses at 60 Hz by its own clock, takes each wedge as it comes,
 // and says how old the pictures are.
 //   fly HOST:PORT [RADAR] [SECONDS]
 #include <algorithm>
@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
   const std::string radar = argc > 2 ? argv[2] : server.welcome().radars(0);
   wire::RadarInfo info;
   if (auto status = server.get_radar(radar, info); !status.ok()) return fail(status);
-  if (auto status = server.claim_control(radar); !status.ok()) return fail(status);
+  if (auto status = server.claim(radar, wire::kPoseClaim); !status.ok()) return fail(status);
   Screen screen;
   server.set_handler(&screen);
   if (auto status = server.subscribe(radar, 60, wire::plane_bit(wire::Plane::iq)); !status.ok())

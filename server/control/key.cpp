@@ -28,6 +28,26 @@ std::string with_unit(std::string text, std::string_view unit) {
   return text;
 }
 
+/// Of lengths (NIST SP 811, appendix B): the international foot and the nautical mile are these numbers
+/// exactly.
+struct LengthUnit {
+  std::string_view name;
+  double metres;
+};
+constexpr LengthUnit kLengths[] = {{"m", 1}, {"km", 1000}, {"ft", 0.3048}, {"nmi", 1852}};
+
+/// A number with its unit behind it, "9842 ft" or "9842ft", of a key in metres.
+std::optional<double> metres_of(std::string_view text) {
+  double number = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc()) return std::nullopt;
+  std::string_view name = text.substr(static_cast<std::size_t>(rest - text.data()));
+  while (name.starts_with(' ')) name.remove_prefix(1);
+  for (const LengthUnit& unit : kLengths)
+    if (unit.name == name) return number * unit.metres;
+  return std::nullopt;
+}
+
 /// The value as T when that is exact and its type serves; enumerations are looked up by name.
 template <class T>
 std::optional<T> convert(const Key& key, const Value& value) {
@@ -48,7 +68,8 @@ std::optional<T> convert(const Key& key, const Value& value) {
     if (const auto* real = std::get_if<double>(&value)) return *real;
     if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
     if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*whole);
-    return std::nullopt;
+    const auto* text = std::get_if<std::string>(&value);
+    return text != nullptr && key.unit == "m" ? metres_of(*text) : std::nullopt;
   } else {
     if (const auto* whole = std::get_if<std::int64_t>(&value))
       return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
@@ -93,7 +114,11 @@ std::optional<FieldError> store(const Key& key, const Slot& slot, const Value& v
   return std::visit(
       [&](auto* place) -> std::optional<FieldError> {
         const auto converted = convert<std::remove_pointer_t<decltype(place)>>(key, value);
-        if (!converted) return FieldError{std::string(key.name), toml_text(value), allowed_text(key, slot)};
+        if (!converted) {
+          const bool length = key.unit == "m" && std::holds_alternative<std::string>(value);
+          return FieldError{std::string(key.name), toml_text(value),
+                            allowed_text(key, slot) + (length ? "; or with a unit: m, km, ft, nmi" : "")};
+        }
         *place = *converted;
         return std::nullopt;
       },

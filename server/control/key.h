@@ -77,7 +77,8 @@ struct Key {
 };
 
 /// Puts a value in its place if its type fits; otherwise changes nothing and returns what would fit. Integers
-/// serve as real numbers. Limits are left to check().
+/// serve as real numbers; lengths may be texts with a unit: "9842 ft", "80nmi", "37km". Limits are left to
+/// check().
 std::optional<FieldError> store(const Key& key, const Slot& slot, const Value& value);
 
 /// Compares what is in place with the limits.

@@ -6,6 +6,7 @@
 #include "server/control/key_list.h"
 #include "server/control/parameters.h"
 #include "server/control/quality_presets.h"
+#include "server/control/radar_presets.h"
 #include "server/control/sections/materials.h"
 #include "server/control/sections/section.h"
 
@@ -69,6 +70,22 @@ std::string quality_page() {
         markdown_row({markdown_code(p.name), p.kind, p.plates,
                       p.searched ? "found" : pixels_cell(p.columns, p.columns_per_bin, "azimuth bins"),
                       p.searched ? "found" : pixels_cell(p.rows, p.rows_per_bin, "range bins"), p.meaning});
+  return page;
+}
+
+std::string preset_page() {
+  std::string page =
+      "\n## Whole radars\n\n`radar.preset` names a radar of [presets](presets), each figure of which has its "
+      "source "
+      "or \"assumed\" beside it. It stands for\nthe keys that the scene file does not name: sections that "
+      "all radars "
+      "share and a radar's own keys override it, and so do variables and\nflags. Its antenna stands above "
+      "the ground "
+      "(`antenna.height_reference = \"ground\"`). `obliq parameters --preset NAME` prints it.\n\n| preset | "
+      "what "
+      "|\n|---|---|\n";
+  for (const RadarPreset& p : radar_presets())
+    page += markdown_row({markdown_code(p.name), std::string(first_sentence(p)) + "."});
   return page;
 }
 
@@ -139,6 +156,7 @@ std::string parameters_json() {
     if (!p->meaning.knob.empty()) list.back()["knob"] = p->meaning.knob;
     if (p->meaning.of_programs) list.back()["of_programs"] = true;
     if (p->meaning.not_ideal) list.back()["not_ideal"] = true;
+    if (p->meaning.aim) list.back()["aim"] = true;
   }
   return list.dump(1) + "\n";
 }
@@ -165,7 +183,8 @@ std::string parameters_markdown() {
       "`[[radar]]` tables with a `name` are several radars, each\nwith sections of its own "
       "(`[radar.antenna]`) that override the common `[antenna]`, `[frustum]`, `[bins]` and `[scan]`. "
       "An\nantenna without a position stands at the centre of the dem, or at 33 N 99.5 W over synthetic "
-      "ground.\n\n| key | type | default | allowed | change | message field | Modbus | meaning "
+      "ground.\nA length may be a text with its unit, m, km, ft or nmi: `height_m = \"9842 ft\"`, `--set "
+      "radar.r_max_m=80nmi`.\n\n| key | type | default | allowed | change | message field | Modbus | meaning "
       "|\n|---|---|---|---|---|---|---|---|\n";
   for (const KeyText& key : all_keys()) {
     const Parameter* p = key.parameter;
@@ -182,7 +201,14 @@ std::string parameters_markdown() {
       "in a "
       "scene file\nalone.\n";
   page += "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) gives its encoding.\n";
-  return page + quality_page() + scene_pages();
+  return page + preset_page() + quality_page() + scene_pages();
+}
+
+std::string preset_text(std::string_view name) {
+  const RadarPreset* preset = find_radar_preset(name);
+  if (preset == nullptr)
+    throw InputError(FieldError{"--preset", toml_string(name), choices_text(radar_preset_choices())}.text());
+  return std::string(preset->text);
 }
 
 std::string markdown_code(std::string_view text) {

@@ -14,6 +14,9 @@ std::string parameters_text();
 /// not_ideal where its Meaning has them.
 std::string parameters_json();
 
+/// The file of a radar preset. Throws InputError for a name that is none.
+std::string preset_text(std::string_view name);
+
 /// The reference page server/control/PARAMETERS.md; a test compares the two.
 std::string parameters_markdown();
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/control/key.h"
+#include "server/control/planes_per_bin.h"
 #include "server/radar/beam/pattern_cuts.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
@@ -134,6 +135,7 @@ void check_together(const RadarSettings& s, std::vector<FieldError>& errors) {
     errors.push_back({"bins.azimuth",
                       std::to_string(s.azimuth_bins) + " in radar.sector_deg = " + toml_number(s.sector_deg),
                       "azimuth bins of at least " + toml_number(kNarrowestBin_deg) + " deg"});
+  if (auto fault = planes_fault(s)) errors.push_back(std::move(*fault));
   if (s.frustum == FrustumKind::symmetric && s.sector_deg >= 180)
     errors.push_back({"radar.sector_deg", toml_number(s.sector_deg) + " with frustum.kind = \"symmetric\"",
                       "below 180 deg, or frustum.kind = \"oblique\" or \"sweep\""});
@@ -162,10 +164,6 @@ void check_scan(const RadarSettings& s, std::vector<FieldError>& errors) {
 }
 
 void check_receiver(const RadarSettings& s, std::vector<FieldError>& errors) {
-  if (s.receiver.stc_range_m > s.r_max_m)
-    errors.push_back({"receiver.stc_range_m",
-                      toml_number(s.receiver.stc_range_m) + " with radar.r_max_m = " + toml_number(s.r_max_m),
-                      "at most r_max_m; 0: none"});
   if (s.receiver.adc_bits == 1) errors.push_back({"receiver.adc_bits", "1", "0 (no converter) or 2 to 16"});
 }
 

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "server/control/planes_per_bin.h"
+
 namespace obliq {
 namespace {
-
-constexpr double kMostPixels = 16384;  // the limit of frustum.pixel_columns and pixel_rows
 
 constexpr std::array kPresets{
     QualityPreset{"paper", "oblique", "nearest", 2048, 2048, 0, 0, 64, false,
@@ -22,7 +22,7 @@ constexpr std::array kPresets{
 
 /// Within the limits of frustum.pixel_columns and pixel_rows.
 int pixels_for_bins(double per_bin, int bins) {
-  return static_cast<int>(std::lround(std::clamp(per_bin * bins, 1.0, kMostPixels)));
+  return static_cast<int>(std::lround(std::clamp(per_bin * bins, 1.0, double{kMostPlanes})));
 }
 
 /// Sets a key to what a short form stands for, unless the same layer or a later one names the key itself.
@@ -61,6 +61,25 @@ void split_pixels(ConfigNode& frustum) {
   put(frustum, "pixel_rows", pair ? pixels.items[1] : pixels);
 }
 
+bool is_zero(const ConfigNode& node) {
+  const auto* number = std::get_if<std::int64_t>(&node.value);
+  return number != nullptr && *number == 0;
+}
+
+/// Of a table that names its columns itself: planes_per_bin is 0, unless a later layer than theirs names it.
+void end_planes(ConfigNode& frustum) {
+  const ConfigNode& columns = *frustum.find("pixel_columns");
+  const ConfigNode* planes = frustum.find("planes_per_bin");
+  if (planes != nullptr &&
+      (planes->layer > columns.layer || !std::holds_alternative<std::int64_t>(planes->value)))
+    return;  // what is no number is the reader's to refuse
+  ConfigNode none = columns;
+  none.key = "planes_per_bin";
+  none.value = std::int64_t{0};
+  std::erase_if(frustum.items, [](const ConfigNode& n) { return n.key == "planes_per_bin"; });
+  frustum.items.push_back(std::move(none));
+}
+
 }  // namespace
 
 int QualityPreset::columns_for(int azimuth_bins) const {
@@ -69,6 +88,10 @@ int QualityPreset::columns_for(int azimuth_bins) const {
 
 int QualityPreset::rows_for(int range_bins) const {
   return rows > 0 ? rows : pixels_for_bins(rows_per_bin, range_bins);
+}
+
+int QualityPreset::planes_for(int azimuth_bins) const {
+  return kind == "sweep" ? (columns_for(azimuth_bins) + azimuth_bins - 1) / std::max(azimuth_bins, 1) : 0;
 }
 
 std::span<const QualityPreset> quality_presets() { return kPresets; }
@@ -89,6 +112,8 @@ std::span<const Choice> quality_choices() {
 
 Frustum resolved_frustum(ConfigNode table, int azimuth_bins, int range_bins) {
   split_pixels(table);
+  // 0 is as if it were not named.
+  std::erase_if(table.items, [](const ConfigNode& n) { return n.key == "planes_per_bin" && is_zero(n); });
   Frustum frustum{std::move(table), {}};
   const ConfigNode* found = frustum.table.find("quality");
   const auto* name = found != nullptr ? std::get_if<std::string>(&found->value) : nullptr;
@@ -99,12 +124,15 @@ Frustum resolved_frustum(ConfigNode table, int azimuth_bins, int range_bins) {
     put(frustum.table, "kind", std::string(preset->kind), quality);
     put(frustum.table, "plates", std::string(preset->plates), quality);
     put(frustum.table, "sub_columns", std::int64_t{preset->sub_columns}, quality);
+    put(frustum.table, "planes_per_bin", std::int64_t{preset->planes_for(azimuth_bins)}, quality);
     const bool columns =
         put(frustum.table, "pixel_columns", std::int64_t{preset->columns_for(azimuth_bins)}, quality);
     const bool rows = put(frustum.table, "pixel_rows", std::int64_t{preset->rows_for(range_bins)}, quality);
     frustum.finds_pixels = preset->searched && columns && rows;
+    if (!columns) end_planes(frustum.table);
   } else if (frustum.table.find("pixel_columns") != nullptr || frustum.table.find("pixel_rows") != nullptr) {
     frustum.finds_pixels = false;
+    if (frustum.table.find("pixel_columns") != nullptr) end_planes(frustum.table);
   }
   return frustum;
 }

@@ -23,6 +23,7 @@ struct QualityPreset {
 
   int columns_for(int azimuth_bins) const;
   int rows_for(int range_bins) const;
+  int planes_for(int azimuth_bins) const;  ///< frustum.planes_per_bin; 0: it is no sweep
 };
 
 std::span<const QualityPreset> quality_presets();
@@ -37,8 +38,9 @@ const QualityPreset* find_quality(std::string_view name);
 std::span<const Choice> quality_choices();
 
 /// A radar's [frustum], or the one that all radars share, with pixels and quality written out as the keys
-/// that they stand for. A key that the table names in the same layer or a later one stays. What is no preset
-/// or no number of pixels stays too, for the reader to refuse.
+/// that they stand for. A key that the table names in the same layer or a later one stays. Columns that are
+/// named in no earlier layer than planes_per_bin decide: it becomes 0. What is no preset or no number of
+/// pixels stays too, for the reader to refuse.
 struct Frustum {
   ConfigNode table;
   std::optional<bool> finds_pixels;  ///< empty: it names no pixels

@@ -43,9 +43,13 @@ bool SectionReader::read_unchecked(std::string_view name, const Key& key, const 
   // A flag's text needs no quotes, even if it looks like a number.
   const bool bare_text = node->layer > 0 && std::holds_alternative<std::string*>(slot) && !is_text(*node);
   const Value value = bare_text ? Value(node->raw) : node->value;
-  const bool fits = (bare_text || node->kind == Kind::value) && !store(key, slot, value);
-  if (!fits) complain(*node, name, allowed_text(key, slot));
-  return fits;
+  if (!bare_text && node->kind != Kind::value) {
+    complain(*node, name, allowed_text(key, slot));
+    return false;
+  }
+  const auto error = store(key, slot, value);
+  if (error) complain(*node, name, error->allowed);
+  return !error;
 }
 
 bool SectionReader::read(std::string_view name, const Key& key, const Slot& slot) {

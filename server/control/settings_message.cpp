@@ -9,6 +9,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
+#include "server/control/planes_per_bin.h"
 
 namespace obliq {
 
@@ -115,6 +116,12 @@ std::vector<FieldError> merge_message(const wire::RadarSettings& message, RadarS
   return errors;
 }
 
+std::vector<FieldError> merge_request(const wire::RadarSettings& message, RadarSettings& settings) {
+  std::vector<FieldError> errors = merge_message(message, settings);
+  settle_planes(settings, message.has_pixel_columns());
+  return errors;
+}
+
 std::vector<FieldError> merge_message(const wire::Pose& message, PoseSettings& pose) {
   RadarConfig config{"", {}, pose};
   // A number alone is meant to be taken.
@@ -126,6 +133,11 @@ std::vector<FieldError> merge_message(const wire::Pose& message, PoseSettings& p
 
 void write_message(const RadarSettings& settings, wire::RadarSettings& message) {
   write_fields(WireMessage::radar_settings, {"", settings, {}}, message);
+}
+
+void write_request(const RadarSettings& settings, wire::RadarSettings& message) {
+  write_message(settings, message);
+  if (settings.frustum == FrustumKind::sweep && settings.planes_per_bin > 0) message.clear_pixel_columns();
 }
 
 void write_message(const PoseSettings& pose, wire::Pose& message) {

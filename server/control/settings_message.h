@@ -21,9 +21,16 @@ namespace obliq {
                                                     RadarSettings& settings);
 [[nodiscard]] std::vector<FieldError> merge_message(const wire::Pose& message, PoseSettings& pose);
 
+/// As merge_message, of a request for a change: planes follow the azimuth bins where planes_per_bin is above
+/// 0 and the request names no pixel_columns (server/control/planes_per_bin.h).
+[[nodiscard]] std::vector<FieldError> merge_request(const wire::RadarSettings& message,
+                                                    RadarSettings& settings);
+
 /// Writes every field.
 void write_message(const RadarSettings& settings, wire::RadarSettings& message);
 void write_message(const PoseSettings& pose, wire::Pose& message);
+/// Every field that merge_request needs to arrive at the same: pixel_columns would end planes_per_bin.
+void write_request(const RadarSettings& settings, wire::RadarSettings& message);
 
 /// An ideal map's settings: none is set that makes bins more than its echoes (Meaning::not_ideal). Else every
 /// bin with a value is drawn, whatever its state, and nothing is made up for the range.

@@ -11,12 +11,16 @@ namespace {
 
 constexpr std::int64_t kSlew = 10;  ///< the shown time gains or loses at most a 10th
 
-/// Poses that lie so far behind the shown time are of no more use.
-constexpr std::int64_t kHistory_ns = 2'000'000'000;
 constexpr std::size_t kMostPoses = 4096;
 
 Geodetic place_of(const PoseSettings& pose, double height_m) {
   return {pose.latitude_deg * kDegree_rad, pose.longitude_deg * kDegree_rad, height_m};
+}
+
+/// A share of the way along the shortest arc; at rest a stays as it is, whatever turns it counts.
+double arc(double a_deg, double b_deg, double u) {
+  const double turn_deg = std::remainder(b_deg - a_deg, 360.0);
+  return turn_deg == 0 ? a_deg : std::remainder(a_deg + u * turn_deg, 360.0);
 }
 
 bool same_place(const PoseSettings& a, const PoseSettings& b) {
@@ -29,9 +33,8 @@ PoseSettings between(const PoseSettings& a, const PoseSettings& b, double u) {
   if (!(u > 0)) return a;
   if (u >= 1) return b;
   PoseSettings p = a;
-  const double turn_deg = std::remainder(b.bearing_deg - a.bearing_deg, 360.0);
-  p.bearing_deg = std::remainder(a.bearing_deg + u * turn_deg, 360.0);
-  if (turn_deg == 0) p.bearing_deg = a.bearing_deg;
+  p.bearing_deg = arc(a.bearing_deg, b.bearing_deg, u);
+  p.heading_deg = arc(a.heading_deg, b.heading_deg, u);
   p.tilt_deg = a.tilt_deg + u * (b.tilt_deg - a.tilt_deg);
   if (a.height_reference != b.height_reference || same_place(a, b)) return p;
   const bool over_ground = a.height_reference == HeightReference::ground;
@@ -50,9 +53,23 @@ PoseSettings between(const PoseSettings& a, const PoseSettings& b, double u) {
 
 PoseTimeLine::PoseTimeLine(const PoseSettings& initial) : poses_{{initial, 0}} {}
 
+void PoseTimeLine::set_rate(double rate, std::int64_t now_ns) {
+  rate_ = rate;
+  rate_since_ns_ = now_ns;
+  arrivals_.clear();
+}
+
+std::int64_t PoseTimeLine::ticks(std::int64_t now_ns) const {
+  if (rate_ == 1) return now_ns;
+  return std::llround(rate_ * static_cast<double>(now_ns - rate_since_ns_)) + rate_since_ns_;
+}
+
+std::int64_t PoseTimeLine::jump_ns() const { return std::llround(rate_ * static_cast<double>(kJump_ns)); }
+
 void PoseTimeLine::begin(const PoseSettings& pose, std::int64_t now_ns) {
+  set_rate(pose.time_rate, now_ns);
   poses_.assign(1, {pose, now_ns});
-  arrivals_.assign(1, {pose.sim_time_ns - now_ns, 0});
+  arrivals_.assign(1, {pose.sim_time_ns - ticks(now_ns), 0});
   late_in_a_row_ = 0;
 }
 
@@ -60,6 +77,19 @@ void PoseTimeLine::set(const PoseSettings& pose, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   begin(pose, now_ns);
   timed_ = false;
+}
+
+void PoseTimeLine::aim(const PoseSettings& as) {
+  const std::lock_guard lock(mutex_);
+  PoseSettings& newest = poses_.back().pose;
+  const double turn_deg = as.bearing_deg - newest.bearing_deg;
+  for (auto& [pose, received_ns] : poses_) {
+    if (turn_deg != 0) pose.bearing_deg = std::remainder(pose.bearing_deg + turn_deg, 360.0);
+    pose.tilt_deg = as.tilt_deg;
+    pose.tilt_auto = as.tilt_auto;
+  }
+  newest.bearing_deg = as.bearing_deg;  // to the bit
+  newest.heading_deg = as.heading_deg;
 }
 
 void PoseTimeLine::restart() {
@@ -86,32 +116,41 @@ bool PoseTimeLine::add(const PoseSettings& pose, std::int64_t now_ns) {
     poses_.back() = {pose, now_ns};
     return true;
   }
-  if (gap_ns > kJump_ns) {
+  const bool new_rate = pose.time_rate != rate_;
+  if (new_rate) set_rate(pose.time_rate, now_ns);
+  // The gap before a new rate is of the old one.
+  const std::int64_t gap_to_come_ns = new_rate ? ticks(now_ns) - ticks(poses_.back().received_ns) : gap_ns;
+  if (gap_ns > jump_ns()) {
     begin(pose, now_ns);
     return true;
   }
   poses_.push_back({pose, now_ns});
-  arrivals_.push_back({pose.sim_time_ns - now_ns, gap_ns});
+  arrivals_.push_back({pose.sim_time_ns - ticks(now_ns), gap_to_come_ns});
   if (arrivals_.size() > kWindow) arrivals_.pop_front();
-  follow_clock(gap_ns);
-  const std::int64_t shown_ns = now_ns + shift_ns_;
+  follow_clock(gap_ns, new_rate || poses_.size() == 2);
+  const std::int64_t shown_ns = ticks(now_ns) + shift_ns_;
   while (poses_.size() > 2 &&
-         (poses_[1].pose.sim_time_ns < shown_ns - kHistory_ns || poses_.size() > kMostPoses))
+         (poses_[1].pose.sim_time_ns < shown_ns - jump_ns() || poses_.size() > kMostPoses))
     poses_.pop_front();
   return true;
 }
 
-void PoseTimeLine::follow_clock(std::int64_t gap_ns) {
+void PoseTimeLine::follow_clock(std::int64_t gap_ns, bool at_once) {
   const auto [least, most] = std::ranges::minmax(arrivals_, {}, &Arrival::offset_ns);
   const std::int64_t greatest_gap_ns = std::ranges::max(arrivals_, {}, &Arrival::gap_ns).gap_ns;
-  const std::int64_t behind_ns = std::min(greatest_gap_ns + (most.offset_ns - least.offset_ns), kJump_ns);
+  const std::int64_t behind_ns = std::min(greatest_gap_ns + (most.offset_ns - least.offset_ns), jump_ns());
   const std::int64_t wanted_ns = most.offset_ns - behind_ns;
   const std::int64_t off_ns = wanted_ns - shift_ns_;
-  if (poses_.size() == 2 || std::abs(off_ns) > kJump_ns) {
+  if (at_once || std::abs(off_ns) > jump_ns()) {
     shift_ns_ = wanted_ns;
   } else {
     shift_ns_ += std::clamp(off_ns, -gap_ns / kSlew, gap_ns / kSlew);
   }
+}
+
+void PoseTimeLine::set_validity(double valid_s) {
+  const std::lock_guard lock(mutex_);
+  poses_.back().pose.valid_s = valid_s;
 }
 
 PoseAt PoseTimeLine::at(std::int64_t now_ns) const {
@@ -121,7 +160,7 @@ PoseAt PoseTimeLine::at(std::int64_t now_ns) const {
   const double age_s = static_cast<double>(now_ns - newest.received_ns) * 1e-9;
   result.stale = newest.received_ns != 0 && newest.pose.valid_s > 0 && age_s > newest.pose.valid_s;
   if (poses_.size() < 2) return result;
-  const std::int64_t shown_ns = now_ns + shift_ns_;
+  const std::int64_t shown_ns = ticks(now_ns) + shift_ns_;
   if (shown_ns >= newest.pose.sim_time_ns) return result;
   const auto after =
       std::ranges::upper_bound(poses_, shown_ns, {}, [](const Sent& sent) { return sent.pose.sim_time_ns; });

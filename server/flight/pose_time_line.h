@@ -18,14 +18,16 @@ struct PoseAt {
 /// The poses of one radar. A pose without a sim time applies at once, until the next. Poses with one are
 /// joined up: linear in space, the shortest arc in bearing, never beyond the newest.
 ///
-/// The controller's clock is only held against the server's monotonic one to know how far it has come. With
-/// a_i the arrival of the pose of sim time s_i, over the last kWindow poses: O, the greatest s_i - a_i,
+/// The controller's clock is only held against the server's monotonic one to know how far it has come. It
+/// runs R times as fast, PoseSettings::time_rate of the newest pose. With
+/// a_i the arrival of the pose of sim time s_i, over the last kWindow poses: O, the greatest s_i - R a_i,
 /// belongs to the least delayed; P is the greatest gap between two sim times, plus the greatest delay behind
-/// the least delayed. At the server's time t the antenna is shown at sim time t + O - P: as late as it must
+/// the least delayed. At the server's time t the antenna is shown at sim time R t + O - P: as late as it must
 /// be for the next pose to be there before it is reached. When O or P change, the shown time runs up to a
-/// tenth faster or slower until it is right again. A controller's clock must therefore keep real time within
-/// a tenth; of one that does not, the shown time jumps when it is kJump_ns off. Poses further apart than that
-/// are not joined up: the later one applies when it arrives.
+/// tenth faster or slower until it is right again. A controller's clock must therefore keep its rate within
+/// a tenth; of one that does not, the shown time jumps when it is R kJump_ns off. Poses further apart than
+/// that are not joined up: the later one applies when it arrives. With another rate a new window begins, and
+/// the shown time is right at once.
 ///
 /// Late poses, with a sim time before the newest, are counted and dropped; after kMostLate of them in a row
 /// the clock has been set back, and a new time line begins. Safe from any thread; a few microseconds a call.
@@ -41,8 +43,14 @@ class PoseTimeLine {
   void set(const PoseSettings& pose, std::int64_t now_ns);
   /// A pose of the time pose.sim_time_ns, within +-4e18. False: it was late.
   bool add(const PoseSettings& pose, std::int64_t now_ns);
-  /// Another controller, another clock: the next pose begins a new time line.
+  /// The antenna is turned on its platform, from this moment on: bearing and tilt are those of `as`, those of
+  /// the poses before follow. Where the platform is, and since when, stays.
+  void aim(const PoseSettings& as);
+  /// Another controller, or a clock that was set: the next pose begins a new time line.
   void restart();
+
+  /// What the newest pose says of its validity from now on.
+  void set_validity(double valid_s);
 
   PoseAt at(std::int64_t now_ns) const;
   /// As it was sent, with the fields that its sender left out.
@@ -55,18 +63,24 @@ class PoseTimeLine {
     std::int64_t received_ns = 0;
   };
   struct Arrival {
-    std::int64_t offset_ns = 0;  ///< s_i - a_i
+    std::int64_t offset_ns = 0;  ///< s_i - R a_i
     std::int64_t gap_ns = 0;     ///< s_i - s_(i-1)
   };
 
   void begin(const PoseSettings& pose, std::int64_t now_ns);
-  void follow_clock(std::int64_t gap_ns);
+  void set_rate(double rate, std::int64_t now_ns);
+  /// R times the server's time, but for a constant.
+  std::int64_t ticks(std::int64_t now_ns) const;
+  void follow_clock(std::int64_t gap_ns, bool at_once);
+  std::int64_t jump_ns() const;  ///< of sim time
 
   mutable std::mutex mutex_;  ///< guards everything below
   std::deque<Sent> poses_;    ///< rising sim times; the newest last; never empty
   std::deque<Arrival> arrivals_;
-  bool timed_ = false;         ///< the poses are of one clock
-  std::int64_t shift_ns_ = 0;  ///< shown sim time - server's time, when there are two poses
+  bool timed_ = false;  ///< the poses are of one clock
+  double rate_ = 1;
+  std::int64_t rate_since_ns_ = 0;  ///< where ticks and the server's time are the same
+  std::int64_t shift_ns_ = 0;       ///< shown sim time - ticks, when there are two poses
   int late_in_a_row_ = 0;
   std::uint64_t late_ = 0;
 };

@@ -110,7 +110,7 @@ void append_room(const net::RoomStatistics& room, std::vector<MetricFamily>& all
         [](const Radar& r) { return static_cast<double>(r.watchers); });
   radar("obliq_radar_wanted_rate_hertz", "Highest frame rate that a watcher of the radar asked for.",
         [](const Radar& r) { return r.rate_hz; });
-  radar("obliq_radar_controlled", "1 while a client controls the radar.",
+  radar("obliq_radar_controlled", "1 while a client holds the radar's pose or settings.",
         [](const Radar& r) { return r.controlled ? 1.0 : 0.0; });
   radar("obliq_radar_faulty", "1 while the radar cannot be rendered with its settings.",
         [](const Radar& r) { return r.faulty ? 1.0 : 0.0; });

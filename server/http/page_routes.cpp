@@ -1,6 +1,7 @@
 #include "server/http/page_routes.h"
 
 #include <array>
+#include <charconv>
 #include <memory>
 #include <utility>
 
@@ -26,6 +27,25 @@ std::string_view media_type(std::string_view name) {
   for (const auto& [ending, type] : kTypes)
     if (name.ends_with(ending)) return type;
   return {};
+}
+
+Route page_state_route(std::function<Page()> readiness, const RangeScales& offered) {
+  std::string list;
+  for (const double scale : offered.scales) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.begin(), digits.end(), scale).ptr;
+    list += (list.empty() ? "" : ",") + std::string(digits.begin(), end);
+  }
+  const std::string rest = ",\"range_scales\":[" + list + "],\"range_unit\":\"" + offered.unit + "\"}";
+  return {"/page.json", true, [readiness = std::move(readiness), rest] {
+            std::string state;
+            for (const char c : readiness().body) {
+              if (static_cast<unsigned char>(c) < ' ') continue;
+              if (c == '"' || c == '\\') state += '\\';
+              state += c;
+            }
+            return Page{200, "application/json", "{\"state\":\"" + state + "\"" + rest};
+          }};
 }
 
 std::vector<Route> page_routes(std::string parameters) {

@@ -120,6 +120,7 @@ void find_pixels(const std::shared_ptr<const Scene>& scene, RadarConfig& radar, 
   PixelSearch search(scene, radar, limits, progress);
   const Pixels found = search.run();
   radar.settings.pixel_columns = found.columns;
+  radar.settings.planes_per_bin = 0;
   radar.settings.pixel_rows = found.rows;
   const std::string text = fmt::format(
       "radar \"{}\": frustum.quality \"oblique\": {} x {} pixels leave {:.1f} % of the lit bins without a "

@@ -36,6 +36,14 @@ bool has_registers(const Span& span) {
   return std::all_of(first, first + span.count, [](bool there) { return there; });
 }
 
+/// Panels read in blocks: gaps between registers are read as zeros.
+bool may_read(const Span& span) {
+  if (span.count == 0) return true;
+  if (span.address + span.count > kRegisters) return false;
+  const auto first = mapped().begin() + span.address;
+  return std::any_of(first, first + span.count, [](bool there) { return there; });
+}
+
 bool addresses_exist(const Request& request) {
   const auto end = [](const Span& span) { return span.address + span.count; };
   switch (request.function) {
@@ -47,7 +55,7 @@ bool addresses_exist(const Request& request) {
     case Function::write_coils:
       return end(request.write) <= kCoils;
     default:
-      return has_registers(request.read) && has_registers(request.write);
+      return may_read(request.read) && has_registers(request.write);
   }
 }
 
@@ -161,7 +169,10 @@ Exception Image::write_coils(std::size_t radar, const Request& request) {
   wanted.transmit = asked[kTransmit];
   wanted.freeze = asked[kFreeze];
   wanted.clear_faults = pulled(kClearFaults);
-  if (pulled(kApply) || wanted.transmit || wanted.freeze || wanted.clear_faults) {
+  wanted.reset = pulled(kReset);
+  wanted.exercise_freeze = asked[kExerciseFreeze];
+  const bool switches = wanted.transmit || wanted.freeze || wanted.exercise_freeze;
+  if (pulled(kApply) || switches || wanted.clear_faults || wanted.reset) {
     const Exception refusal = change(radar, pulled(kApply), std::move(wanted));
     if (refusal != Exception::none) return refusal;
   }
@@ -249,6 +260,7 @@ void Image::fill(std::size_t radar, Registers& registers) {
   registers.coils = {};
   registers.coils[kTransmit] = status->transmit ? 1 : 0;
   registers.coils[kFreeze] = status->frozen ? 1 : 0;
+  registers.coils[kExerciseFreeze] = status->exercise_frozen ? 1 : 0;
   registers.discrete = {};
   for (std::size_t i = 0; i < discrete_inputs().size(); ++i)
     registers.discrete[i] = discrete_inputs()[i].value(view) ? 1 : 0;

@@ -72,7 +72,7 @@ constexpr std::array kFaults{
     FaultText{Fault::none, "none"},
     FaultText{Fault::out_of_range, "a setpoint was written with a value out of its limits"},
     FaultText{Fault::refused, "apply: the staged setpoints do not fit each other or the terrain"},
-    FaultText{Fault::controlled, "apply: a client of the stream holds control"},
+    FaultText{Fault::controlled, "apply: a client of the stream holds what a staged setpoint belongs to"},
     FaultText{Fault::no_answer, "apply or a coil: the server did not act on it within a second"},
     FaultText{Fault::cannot_render, "the radar cannot be rendered with its present settings"},
     FaultText{Fault::watchdog, "the console's heartbeat stopped and the radar was frozen"},
@@ -94,6 +94,11 @@ constexpr std::array kCoilTexts{
     BitText{"apply", "Write 1 to put all staged setpoints into effect, or none. Reads 0."},
     BitText{"clear_faults", "Write 1 to set last_error to 0 and to retry a radar in fault. Reads 0."},
     BitText{"discard", "Write 1 to discard the staged setpoints. Reads 0."},
+    BitText{"reset",
+            "Write 1 to put the radar back to the settings, the pose and the switches of the scene file. "
+            "Reads 0."},
+    BitText{"exercise_freeze",
+            "1: all radars of the server stand still, clock, antenna and noise, until it returns to 0."},
 };
 static_assert(kCoilTexts.size() == kCoils);
 
@@ -110,10 +115,17 @@ const std::array kDiscrete{
                   [](const View& v) { return v.radar.frozen; }},
     DiscreteInput{{"watchdog_tripped", "The console's heartbeat stopped; clear_faults resets this."},
                   [](const View& v) { return v.unit.watchdog_tripped; }},
-    DiscreteInput{{"controlled", "A client of the stream holds control; apply returns busy (06)."},
-                  [](const View& v) { return !v.radar.controller.empty(); }},
+    DiscreteInput{{"controlled",
+                   "A client of the stream holds the settings; apply of a setpoint that is one, of the rate, "
+                   "of bearing or tilt returns busy (06)."},
+                  [](const View& v) { return !v.radar.settings_controller.empty(); }},
     DiscreteInput{{"staged", "Setpoints are written and not yet applied."},
                   [](const View& v) { return v.unit.staged > 0; }},
+    DiscreteInput{
+        {"flown",
+         "A client of the stream holds the pose; apply of the antenna's other setpoints returns busy "
+         "(06), and a bearing counts from the platform's heading."},
+        [](const View& v) { return !v.radar.controller.empty(); }},
 };
 
 const Setpoint kRate{230,    u16,

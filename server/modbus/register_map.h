@@ -16,7 +16,7 @@ namespace obliq::modbus {
 /// Raised when a register changes its meaning; new registers in gaps leave it alone.
 constexpr std::uint16_t kMapVersion = 1;
 /// Registers 0 to this, less one. Most of them are gaps.
-constexpr int kRegisters = 320;
+constexpr int kRegisters = 512;
 
 /// Why a console's last request was refused, or a radar is not well.
 enum class Fault : std::uint16_t {
@@ -109,7 +109,7 @@ constexpr double kMostRate_hz = 100;
 /// The console's heartbeat: writes of a value other than the last keep the watchdog quiet.
 constexpr int kConsoleHeartbeat = 300;
 
-enum Coil { kTransmit, kFreeze, kApply, kClearFaults, kDiscard, kCoils };
+enum Coil { kTransmit, kFreeze, kApply, kClearFaults, kDiscard, kReset, kExerciseFreeze, kCoils };
 struct BitText {
   std::string_view name;
   std::string_view summary;

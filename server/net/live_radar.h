@@ -6,6 +6,7 @@
 
 #include "server/control/sections/radar.h"
 #include "server/control/settings_message.h"
+#include "server/net/claims.h"
 #include "server/net/options.h"
 #include "server/net/peer.h"
 #include "server/rendering/demand.h"
@@ -32,18 +33,21 @@ struct LiveRadar {
   LiveRadar(const RadarConfig& config, std::uint32_t stream)
       : name(config.name),
         stream_id(stream),
+        initial(config),
         settings(config.settings),
         pose(config.pose),
         poses(std::make_shared<PoseTimeLine>(config.pose)) {}
 
   const std::string name;
   const std::uint32_t stream_id;
+  RadarConfig initial;  ///< as the scene file has it
   SettingsStore settings;
   PoseSettings pose;  ///< the newest, as it was sent
   std::shared_ptr<PoseTimeLine> poses;
   bool pose_has_sim_time = false;
   std::int64_t pose_received_ns = 0;
-  Peer* controller = nullptr;
+  bool has_heading = false;  ///< whoever flies it says where the nose points; else the bearing is the heading
+  Claims claims;
   std::vector<Watcher> watchers;
   double rate_hz = 0;                                 ///< the fastest watcher's
   std::vector<FieldError> faults;                     ///< why it cannot be rendered as it is

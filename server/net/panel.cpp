@@ -4,6 +4,9 @@
 #include <future>
 #include <utility>
 
+#include "server/control/planes_per_bin.h"
+#include "server/net/aim.h"
+#include "server/net/peer.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 #include "server/radar/frame_plan.h"
@@ -21,6 +24,23 @@ struct Errand {
 
   bool take() { return !taken.exchange(true); }
 };
+
+/// What no client may hold for the change to be the console's.
+wire::ClaimSet claims_for(const PanelChange& change) {
+  wire::ClaimSet claims = 0;
+  if (change.rate_limit_hz || change.of_scene_file) claims |= wire::kSettingsClaim;
+  for (const auto& [parameter, value] : change.settings) {
+    const bool flies = parameter->message == WireMessage::pose && !parameter->meaning.aim;
+    claims |= flies ? wire::kPoseClaim : wire::kSettingsClaim;
+  }
+  return claims;
+}
+
+/// What the console is beside the clients.
+Hand hand_of(const LiveRadar& radar) {
+  if (radar.claims.holder(wire::Claim::pose) != nullptr) return Hand::operates;
+  return radar.claims.holder(wire::Claim::settings) != nullptr ? Hand::flyer : Hand::alone;
+}
 
 }  // namespace
 
@@ -57,6 +77,10 @@ void Panel::command(std::size_t radar, PanelChange change) {
   post_([this, radar, change = std::move(change)] { (void)perform(radar, change); });
 }
 
+void Panel::set_initial(const std::string& radar, const RadarConfig& config) {
+  room_.radars().find(radar)->initial = config;
+}
+
 PanelAnswer Panel::apply(const std::string& radar, const PanelChange& change) {
   const auto at = std::ranges::find(names_, radar);
   return perform(static_cast<std::size_t>(at - names_.begin()), change);
@@ -76,18 +100,24 @@ PanelAnswer Panel::perform(std::size_t index, const PanelChange& change) {
 }
 
 PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
-  const bool sets = !change.settings.empty() || change.rate_limit_hz || change.of_scene_file;
-  if (sets && radar.controller != nullptr) return {PanelVerdict::controlled, {}, {}, radar.controller->name};
+  if (const std::string held = radar.claims.sentence(claims_for(change), nullptr); !held.empty())
+    return {PanelVerdict::controlled, {}, {}, held};
 
   RadarConfig config{radar.name, radar.settings.current()->settings, radar.pose};
   bool new_settings = false;
   bool new_pose = false;
+  NamedAngles named;
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;
   for (const auto& [parameter, value] : change.settings) {
     if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
     (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;
+    named.bearing |= parameter->wire_field == "bearing_deg";
+    named.heading |= parameter->wire_field == "heading_deg";
   }
+  settle_planes(config.settings, std::ranges::any_of(change.settings, [](const PanelChange::Setting& s) {
+                  return s.parameter->key.name == "frustum.pixel_columns";
+                }));
   if (change.of_scene_file) {
     config.settings.scan_bars_deg = change.of_scene_file->bars_deg;
     config.settings.beam.file = change.of_scene_file->pattern;
@@ -103,7 +133,10 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     over = room_.over_live_limit(config.settings, wire::kAllPlanes);
     if (over) errors.push_back(over->field);
   }
-  if (errors.empty() && new_pose) errors = room_.renderer().place(config.pose);
+  if (errors.empty() && new_pose) {
+    resolve_angles(hand_of(radar), named, radar.has_heading, radar.pose, config.pose);
+    errors = room_.renderer().place(config.pose);
+  }
   // What the ground decides shows as the radar's fault, as after a move.
   if (errors.empty() && (new_settings || config.pose.tilt_deg != radar.pose.tilt_deg))
     errors = known_beam_faults(config.settings, config.pose).value_or(errors);
@@ -112,11 +145,19 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   // Nothing is left that can be refused.
   Radars& radars = room_.radars();
   if (new_settings) (void)radar.settings.set(config.settings);
-  if (new_pose) (void)radars.take_pose(radar, config.pose, false);
+  radar.has_heading |= named.heading;
+  if (new_pose && hand_of(radar) == Hand::operates) {
+    radars.aim(radar, config.pose);
+  } else if (new_pose) {
+    (void)radars.take_pose(radar, config.pose, false);
+  }
   if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
   if (new_settings || new_pose || change.clear_faults) radars.publish_view(radar);
   if (new_settings) radars.check_windows(radar);
-  radars.flip(radar, {change.transmit, change.freeze}, "the operator's console");
+  constexpr auto kConsole = "the operator's console";
+  radars.flip(radar, {change.transmit, change.freeze}, kConsole);
+  if (change.reset) room_.exercise().reset(radar.name, kConsole);
+  if (change.exercise_freeze) room_.exercise().freeze(*change.exercise_freeze, kConsole);
   radars.update_demand(radar);
   return {PanelVerdict::done, {}, {}, {}};
 }
@@ -144,8 +185,10 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   status.rate_limit_hz = radar.rate_limit_hz;
   status.transmit = radar.transmit;
   status.frozen = radar.frozen;
+  status.exercise_frozen = room_.exercise().is_frozen();
   status.pose_stale = radar.poses->at(monotonic_ns()).stale;
-  if (radar.controller != nullptr) status.controller = radar.controller->name;
+  if (const Peer* flyer = radar.claims.holder(wire::Claim::pose)) status.controller = flyer->name;
+  if (const Peer* hand = radar.claims.holder(wire::Claim::settings)) status.settings_controller = hand->name;
   status.faults = radar.faults;
   status.clients = static_cast<std::uint32_t>(all.clients);
   status.watchers = static_cast<std::uint32_t>(radar.watchers.size());

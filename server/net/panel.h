@@ -28,17 +28,19 @@ struct PanelStatus {
   double rate_limit_hz = 0;  ///< 0: none
   bool transmit = true;
   bool frozen = false;
+  bool exercise_frozen = false;  ///< all radars are
   bool pose_stale = false;
-  std::string controller;          ///< the client that holds control; empty: none
-  std::vector<FieldError> faults;  ///< why it cannot be rendered as it is
-  std::uint32_t clients = 0;       ///< of the server
-  std::uint32_t watchers = 0;      ///< of this radar
-  double rate_hz = 0;              ///< frames rendered per second, over the last second or so
-  std::uint64_t frames = 0;        ///< rendered since start
-  double frame_time_s = 0;         ///< of the newest frame, plan to last wedge
-  std::uint64_t rays = 0;          ///< of the newest frame
-  std::uint64_t hits = 0;          ///< of the newest frame
-  double coverage = 0;             ///< part of the newest frame's sector and range with known ground, 0 to 1
+  std::string controller;           ///< the client that holds its pose; empty: none
+  std::string settings_controller;  ///< and its settings
+  std::vector<FieldError> faults;   ///< why it cannot be rendered as it is
+  std::uint32_t clients = 0;        ///< of the server
+  std::uint32_t watchers = 0;       ///< of this radar
+  double rate_hz = 0;               ///< frames rendered per second, over the last second or so
+  std::uint64_t frames = 0;         ///< rendered since start
+  double frame_time_s = 0;          ///< of the newest frame, plan to last wedge
+  std::uint64_t rays = 0;           ///< of the newest frame
+  std::uint64_t hits = 0;           ///< of the newest frame
+  double coverage = 0;              ///< part of the newest frame's sector and range with known ground, 0 to 1
   std::uint64_t frames_dropped = 0;  ///< of the server: frames that clients were too slow for
   double uptime_s = 0;
   std::uint64_t heartbeat = 0;  ///< counts snapshots: it stands still when the io thread does
@@ -61,12 +63,14 @@ struct PanelChange {
   std::optional<bool> transmit;
   std::optional<bool> freeze;
   bool clear_faults = false;
+  bool reset = false;                   ///< to the scene file's settings, pose and switches
+  std::optional<bool> exercise_freeze;  ///< of all radars
 };
 
 enum class PanelVerdict {
   done,
   invalid,     ///< values refused: the errors say which
-  controlled,  ///< settings, pose and rate belong to the client that holds control
+  controlled,  ///< a client holds what the change takes: pose, or settings, rate and aim
   no_answer    ///< the io thread did not get to it in time; nothing was or will be changed
 };
 
@@ -74,7 +78,7 @@ struct PanelAnswer {
   PanelVerdict verdict = PanelVerdict::no_answer;
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;  ///< of invalid: what limit of the server it exceeds, if any
-  std::string controller;         ///< of controlled: the client that holds control
+  std::string held;               ///< of controlled: what, and by which client
 };
 
 /// transmit off: the radar is not rendered and its watchers get no frames. freeze: frames go on, of the
@@ -98,6 +102,8 @@ class Panel {
   void command(std::size_t radar, PanelChange change);
 
   /// On the io thread: at once. The radar must be one of names().
+  /// What a reset brings back, from now on: another scene file has been read.
+  void set_initial(const std::string& radar, const RadarConfig& config);
   PanelAnswer apply(const std::string& radar, const PanelChange& change);
 
  private:

@@ -6,21 +6,13 @@
 #include <utility>
 
 #include "server/log/service_log.h"
+#include "server/net/rights.h"
 #include "terrain/base/units.h"
 
 namespace obliq::net {
 namespace {
 
 using wire::MessageType;
-
-constexpr std::pair<MessageType, std::string_view> kNames[] = {
-    {MessageType::list_radars, "ListRadars"},   {MessageType::get_radar, "GetRadar"},
-    {MessageType::get_status, "GetStatus"},     {MessageType::claim_control, "ClaimControl"},
-    {MessageType::set_settings, "SetSettings"}, {MessageType::set_state, "SetState"},
-    {MessageType::set_pose, "SetPose"},         {MessageType::release_control, "ReleaseControl"},
-    {MessageType::unsubscribe, "Unsubscribe"},  {MessageType::render_once, "RenderOnce"},
-    {MessageType::query_ground, "QueryGround"}, {MessageType::set_replay, "SetReplay"},
-};
 
 std::uint64_t bit(MessageType type) {
   const auto number = static_cast<unsigned>(type);
@@ -37,8 +29,9 @@ bool only_moved(const Peer& peer) {
 
 std::string asked_for(const Peer& peer) {
   std::string names;
-  for (const auto& [type, name] : kNames)
-    if ((peer.asked & bit(type)) != 0) names += (names.empty() ? "" : ", ") + std::string(name);
+  for (const Right& right : rights())
+    if ((peer.asked & bit(right.request)) != 0)
+      names += (names.empty() ? "" : ", ") + std::string(right.name);
   return names.empty() ? "nothing" : names;
 }
 

@@ -107,13 +107,38 @@ void Radars::send_fault(const LiveRadar& radar, Peer& peer) const {
                        radar.faults, radar.name));
 }
 
+wire::ClaimSet Radars::release(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer) {
+  const wire::ClaimSet released = radar.claims.release(claims, peer);
+  if ((released & wire::kPoseClaim) == 0) return released;
+  radar.has_heading = false;
+  radar.pose.valid_s = radar.initial.pose.valid_s;
+  radar.pose.time_rate = radar.initial.pose.time_rate;
+  radar.poses->set_validity(radar.pose.valid_s);
+  radar.poses->restart();
+  return released;
+}
+
+void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
+  for (int i = 0; i < wire::kClaims; ++i) {
+    Peer* holder = radar.claims.holder(static_cast<wire::Claim>(i));
+    if (holder == nullptr || holder == &by) continue;
+    const wire::ClaimSet taken = release(radar, claims, *holder);
+    if (taken == 0) continue;
+    log_as_guest(*holder);
+    log_as_guest(by);
+    const std::string told =
+        "radar " + radar.name + ": " + wire::claim_names(taken) + " taken over by " + by.name;
+    holder->send(MessageType::error, make_error(0, ErrorNumber::controlled_by_other, told, {}, radar.name));
+    spdlog::warn("radar {}: {} takes {} from {}; give it a token of another role if it should not",
+                 radar.name, by.name, wire::claim_names(taken), holder->name);
+  }
+}
+
 void Radars::forget(Peer& peer) {
   for (LiveRadar& radar : radars_) {
     unsubscribe(radar, peer);
-    if (radar.controller == &peer) {
-      radar.controller = nullptr;
-      log_doing(peer, radar.name, "control released, " + peer.name + " has left");
-    }
+    if (const wire::ClaimSet released = release(radar, wire::kEveryClaim, peer))
+      log_doing(peer, radar.name, wire::claim_names(released) + " released, " + peer.name + " has left");
   }
 }
 
@@ -121,10 +146,10 @@ void Radars::check_role(Peer& peer) {
   if (peer.role >= Role::controller) return;
   for (LiveRadar& radar : radars_) {
     watch_no_longer_lossless(radar, peer);
-    if (radar.controller != &peer) continue;
-    radar.controller = nullptr;
-    spdlog::warn("radar {}: control released, the role of {} is {} now", radar.name, peer.name,
-                 role_name(peer.role));
+    const wire::ClaimSet released = release(radar, wire::kEveryClaim, peer);
+    if (released == 0) continue;
+    spdlog::warn("radar {}: {} released, the role of {} is {} now", radar.name, wire::claim_names(released),
+                 peer.name, role_name(peer.role));
     peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low,
                                              "control of radar " + radar.name +
                                                  " needs the role controller; this client's token gives " +
@@ -134,7 +159,7 @@ void Radars::check_role(Peer& peer) {
 }
 
 void Radars::publish_view(LiveRadar& radar) {
-  if (radar.frozen) return;  // the radar keeps what it shows after the thaw
+  if (radar.frozen || held_) return;  // the radar keeps what it shows after the thaw
   radar.faults.clear();
   render_.set_view(radar.number(), radar.view());
   tell_places();
@@ -153,15 +178,36 @@ bool Radars::take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_
   return true;
 }
 
+void Radars::aim(LiveRadar& radar, const PoseSettings& as) {
+  radar.pose = as;
+  radar.poses->aim(as);
+  publish_view(radar);
+}
+
+void Radars::hold_view(const LiveRadar& radar) {
+  LiveView held = radar.view().at(monotonic_ns());
+  held.poses = nullptr;
+  render_.set_view(radar.number(), std::move(held));
+}
+
+void Radars::hold(bool on) {
+  held_ = on;
+  render_.hold(on);
+  for (LiveRadar& radar : radars_)
+    if (!radar.frozen) show(radar);
+}
+
+void Radars::show(LiveRadar& radar) {
+  publish_view(radar);
+  if (held_) hold_view(radar);
+}
+
 void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by) {
   if (wanted.freeze && *wanted.freeze != radar.frozen) {
     spdlog::info("radar {}: {} by {}", radar.name, *wanted.freeze ? "frozen" : "thawed", by);
     radar.frozen = *wanted.freeze;
-    if (radar.frozen) {
-      LiveView held = radar.view().at(monotonic_ns());
-      held.poses = nullptr;  // the render thread keeps the settings and the pose of this moment
-      render_.set_view(radar.number(), std::move(held));
-    } else {
+    if (radar.frozen && !held_) hold_view(radar);
+    if (!radar.frozen) {
       publish_view(radar);
     }
   }
@@ -172,14 +218,15 @@ void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::stri
   }
 }
 
-void Radars::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
-  if (!take_pose(radar, pose, has_sim_time)) return;
+bool Radars::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
+  if (!take_pose(radar, pose, has_sim_time)) return false;
   // The render thread reads the time line by itself; only a pose that applies at once has to wake it.
   if (has_sim_time) {
     tell_places();
   } else {
     publish_view(radar);
   }
+  return true;
 }
 
 void Radars::tell_places() const {

@@ -30,6 +30,11 @@ class Radars {
   /// Tells the watchers of a part of the radar's frame that is no longer there.
   void check_windows(LiveRadar& radar) const;
   void send_fault(const LiveRadar& radar, Peer& peer) const;
+  /// Takes from other clients, which are told, what they hold of that.
+  void take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
+  /// What of that the client held, it holds no longer. With the pose goes what its poses said of their
+  /// validity and their clock.
+  wire::ClaimSet release(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer);
   /// A client has left: its subscriptions end, control is released.
   void forget(Peer& peer);
   /// A client's role may have become lower: it loses what the role does not allow.
@@ -38,12 +43,19 @@ class Radars {
   // How a radar looks:
   /// Settings or pose have changed.
   void publish_view(LiveRadar& radar);
+  /// Another state has been put in place: it shows at once, also of a radar that is held.
+  void show(LiveRadar& radar);
   /// False: the pose came late and was left out.
   bool take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
-  /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once.
-  void move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  /// Its antenna is turned where its platform stands or flies (PoseTimeLine::aim).
+  void aim(LiveRadar& radar, const PoseSettings& as);
+  /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once. False:
+  /// it was late.
+  bool move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
   /// The only place where transmit and freeze change. `by` stands in the log.
   void flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by);
+  /// Stops all radars, whatever they are switched to, or lets them go on.
+  void hold(bool on);
   /// Says in the log, once, that a radar has left the ground that files cover, or has come back. Empty: it is
   /// there.
   static void note_ground(LiveRadar& radar, const std::string& warning);
@@ -56,6 +68,8 @@ class Radars {
 
  private:
   void tell_places() const;
+  /// The render thread keeps the settings and the pose of this moment.
+  void hold_view(const LiveRadar& radar);
   /// A subscription that held the radar up gets its newest frames from now on.
   void watch_no_longer_lossless(LiveRadar& radar, Peer& peer);
 
@@ -63,6 +77,7 @@ class Radars {
   RenderThread& render_;
   std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
   std::uint64_t last_watch_id_ = 0;
+  bool held_ = false;  ///< by hold()
 };
 
 }  // namespace obliq::net

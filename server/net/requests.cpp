@@ -10,6 +10,7 @@
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "server/net/peer.h"
+#include "server/net/rights.h"
 #include "server/net/room.h"
 #include "server/radar/frame_plan.h"
 #include "server/stream/frame_encoder.h"
@@ -28,7 +29,9 @@ template <typename Request>
 constexpr bool changes_something =
     std::is_same_v<Request, wire::ClaimControl> || std::is_same_v<Request, wire::SetSettings> ||
     std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::SetState> ||
-    std::is_same_v<Request, wire::RenderOnce> || std::is_same_v<Request, wire::QueryGround>;
+    std::is_same_v<Request, wire::RenderOnce> || std::is_same_v<Request, wire::QueryGround> ||
+    std::is_same_v<Request, wire::ResetExercise> || std::is_same_v<Request, wire::GetExercise> ||
+    std::is_same_v<Request, wire::LoadExercise> || std::is_same_v<Request, wire::SetExercise>;
 
 /// Requests that are answered in their order also where the render thread has to be asked.
 template <typename Request>
@@ -40,7 +43,8 @@ constexpr bool is_in_turn =
 template <typename Message>
 void write_condition(const LiveRadar& radar, Message& to) {
   to.set_radar(radar.name);
-  if (radar.controller != nullptr) to.set_controller(radar.controller->name);
+  if (const Peer* flyer = radar.claims.holder(wire::Claim::pose)) to.set_controller(flyer->name);
+  if (const Peer* hand = radar.claims.holder(wire::Claim::settings)) to.set_settings_controller(hand->name);
   to.set_subscribers(static_cast<std::uint32_t>(radar.watchers.size()));
   to.set_rate_hz(radar.rate_hz);
   to.set_settings_version(radar.settings.current()->version);
@@ -88,13 +92,12 @@ std::vector<FieldError> missing_position(const wire::Pose& pose) {
 }
 
 template <typename Request>
-void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
-                      Role needed) {
+void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&)) {
   Request request;
   if (!wire::parse_descriptor(descriptor, request))
     return peer_.fail(ErrorNumber::bad_message, "the protobuf part of a request does not parse");
   id_ = request.request_id();
-  if (!demand(needed, "this request")) return;
+  if (right_ != nullptr && !demand(right_->role, "this request")) return;
   if (changes_something<Request>) {
     if (const std::string why = room_.renderer().fixed(); !why.empty())
       return refuse(ErrorNumber::replay_only, why);
@@ -134,6 +137,7 @@ void Requests::handle(MessageType type, std::span<const std::byte> descriptor) {
 
 void Requests::handle_greeted(MessageType type, std::span<const std::byte> descriptor) {
   log_request(peer_, type);
+  right_ = right_of(type);
   switch (type) {
     case MessageType::heartbeat:
       return answer(descriptor, &Requests::heartbeat);
@@ -142,17 +146,17 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
     case MessageType::get_radar:
       return answer(descriptor, &Requests::get_radar);
     case MessageType::claim_control:
-      return answer(descriptor, &Requests::claim_control, Role::controller);
+      return answer(descriptor, &Requests::claim_control);
     case MessageType::release_control:
-      return answer(descriptor, &Requests::release_control, Role::controller);
+      return answer(descriptor, &Requests::release_control);
     case MessageType::set_settings:
-      return answer(descriptor, &Requests::set_settings, Role::controller);
+      return answer(descriptor, &Requests::set_settings);
     case MessageType::set_pose:
-      return answer(descriptor, &Requests::set_pose, Role::controller);
+      return answer(descriptor, &Requests::set_pose);
     case MessageType::set_state:
-      return answer(descriptor, &Requests::set_state, Role::controller);
+      return answer(descriptor, &Requests::set_state);
     case MessageType::set_replay:
-      return answer(descriptor, &Requests::set_replay, Role::controller);
+      return answer(descriptor, &Requests::set_replay);
     case MessageType::subscribe:
       return answer(descriptor, &Requests::subscribe);
     case MessageType::unsubscribe:
@@ -163,6 +167,14 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::get_status);
     case MessageType::query_ground:
       return answer(descriptor, &Requests::query_ground);
+    case MessageType::reset_exercise:
+      return answer(descriptor, &Requests::reset_exercise);
+    case MessageType::get_exercise:
+      return answer(descriptor, &Requests::get_exercise);
+    case MessageType::load_exercise:
+      return answer(descriptor, &Requests::load_exercise);
+    case MessageType::set_exercise:
+      return answer(descriptor, &Requests::set_exercise);
     default:  // of a later minor version, or not for a server: skipped
       return;
   }
@@ -205,17 +217,22 @@ void Requests::get_radar(const wire::GetRadar& request) {
   info.set_request_id(id_);
   write_message(settings->settings, *info.mutable_settings());
   write_message(radar->pose, *info.mutable_pose());
-  info.set_controlled_by_you(radar->controller == &peer_);
+  const wire::ClaimSet mine = radar->claims.of(peer_);
+  info.set_controlled_by_you((mine & wire::kPoseClaim) != 0);
+  for (int i = 0; i < wire::kClaims; ++i)
+    if ((mine & claim_bit(static_cast<wire::Claim>(i))) != 0)
+      info.add_claimed_by_you(static_cast<wire::ClaimKind>(i));
+  info.set_exercise_frozen(room_.exercise().is_frozen());
   write_condition(*radar, info);
   peer_.send(MessageType::radar_info, info);
 }
 
 void Requests::set_settings(const wire::SetSettings& request) {
-  LiveRadar* radar = controlled_radar(request.radar());
+  LiveRadar* radar = claimed_radar(request.radar());
   if (radar == nullptr) return;
   const SettingsPtr before = radar->settings.current();
   RadarSettings candidate = before->settings;
-  std::vector<FieldError> errors = merge_message(request.settings(), candidate);
+  std::vector<FieldError> errors = merge_request(request.settings(), candidate);
   append(errors, validate(candidate));
   if (errors.empty()) errors = room_.renderer().scene_faults(candidate);
   if (errors.empty()) {
@@ -229,35 +246,6 @@ void Requests::set_settings(const wire::SetSettings& request) {
   room_.radars().publish_view(*radar);
   acknowledge(outcome.published->version);
   room_.radars().check_windows(*radar);
-}
-
-void Requests::set_pose(const wire::SetPose& request) {
-  LiveRadar* radar = controlled_radar(request.radar());
-  if (radar == nullptr) return;
-  PoseSettings pose = radar->pose;
-  std::vector<FieldError> errors = merge_message(request.pose(), pose);
-  append(errors, validate(pose));
-  if (errors.empty()) errors = room_.renderer().place(pose);
-  if (errors.empty() && pose.tilt_deg != radar->pose.tilt_deg)
-    errors = known_beam_faults(radar->settings.current()->settings, pose).value_or(errors);
-  if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
-  room_.radars().move(*radar, pose, request.pose().has_sim_time_ns());
-  if (peer_.has_moved && !peer_.is_guest) {
-    log_as_guest(peer_);
-    log_doing(peer_, radar->name, "flown by " + peer_.name);
-  }
-  peer_.has_moved = true;
-  const SettingsPtr settings = radar->settings.current();
-  wire::Ack ack;
-  ack.set_request_id(id_);
-  ack.set_settings_version(settings->version);
-  if (room_.options().ground_at) {
-    const GroundThere ground = room_.options().ground_at(pose, settings->settings.r_max_m);
-    room_.radars().note_ground(*radar, ground.warning);
-    ack.set_coverage(ground.coverage);
-    if (!ground.warning.empty()) ack.add_warnings(ground.warning);
-  }
-  peer_.send(MessageType::ack, ack);
 }
 
 void Requests::write_coverage(const LiveRadar& radar, const KeeperState& keeper,
@@ -304,6 +292,7 @@ void Requests::get_status(const wire::GetStatus& /*request*/) {
     entry.set_dwells_missed(radar.dwells_missed);
     write_coverage(radar, keeper, entry);
   }
+  status.set_exercise_frozen(room_.exercise().is_frozen());
   status.set_windows_loaded(keeper.swaps);
   status.set_window_loading(keeper.building);
   status.set_window_failures(keeper.failures);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/claim.h"
 #include "proto/error_number.h"
 #include "proto/message_type.h"
 #include "proto/plane.h"
@@ -28,6 +29,10 @@ class Unsubscribe;
 class RenderOnce;
 class GetStatus;
 class QueryGround;
+class ResetExercise;
+class GetExercise;
+class LoadExercise;
+class SetExercise;
 class RadarStatus;
 class Pose;
 }  // namespace obliq::wire
@@ -44,6 +49,7 @@ class Peer;
 class Room;
 struct LiveRadar;
 struct OverLimit;
+struct Right;
 
 wire::Error make_error(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
                        const std::vector<FieldError>& fields = {}, const std::string& radar = {});
@@ -78,8 +84,7 @@ class Requests {
 
  private:
   template <typename Request>
-  void answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&),
-              Role needed = Role::viewer);
+  void answer(std::span<const std::byte> descriptor, void (Requests::*function)(const Request&));
   void handle_greeted(wire::MessageType type, std::span<const std::byte> descriptor);
 
   void hello(const wire::Hello& request);
@@ -97,6 +102,10 @@ class Requests {
   void render_once(const wire::RenderOnce& request);
   void get_status(const wire::GetStatus& request);
   void query_ground(const wire::QueryGround& request);
+  void reset_exercise(const wire::ResetExercise& request);
+  void get_exercise(const wire::GetExercise& request);
+  void load_exercise(const wire::LoadExercise& request);
+  void set_exercise(const wire::SetExercise& request);
 
   /// Whether it has to come after requests that are kept; or it is refused, because they are too many.
   bool comes_later();
@@ -113,14 +122,23 @@ class Requests {
   void refuse(wire::ErrorNumber number, const std::string& text, const std::vector<FieldError>& fields = {});
   /// The radar, or null after a refusal.
   LiveRadar* radar_of(const std::string& name);
-  /// As radar_of, and this peer must control it.
-  LiveRadar* controlled_radar(const std::string& name);
+  /// As radar_of, and this peer must have what the request takes.
+  LiveRadar* claimed_radar(const std::string& name);
+  /// False after a refusal: this peer does not hold all of that.
+  bool demand_claims(const LiveRadar& radar, wire::ClaimSet claims);
+  /// The same of all radars; an admin has them where the request says so.
+  bool demand_all_claims();
+  /// SetPose of the peer that flies the radar, and of one that only turns its antenna. The Ack follows.
+  void fly(LiveRadar& radar, const wire::Pose& message);
+  void aim(LiveRadar& radar, const wire::Pose& message);
+  void acknowledge_pose(LiveRadar& radar, const std::vector<std::string>& warnings);
 
   Room& room_;
   Peer& peer_;
   const Appraised* appraised_ = nullptr;
-  std::uint64_t id_ = 0;   ///< the request's number
-  bool its_turn_ = false;  ///< no kept request comes before it
+  const Right* right_ = nullptr;  ///< what the request takes; null: nothing
+  std::uint64_t id_ = 0;          ///< the request's number
+  bool its_turn_ = false;         ///< no kept request comes before it
   bool is_kept_ = false;
 };
 

@@ -1,13 +1,16 @@
 // Requests about roles and control.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "proto/limits.h"
 #include "proto/message_header.h"
 #include "proto/obliq.pb.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
+#include "server/net/rights.h"
 #include "server/net/room.h"
 #include "server/rendering/replay_control.h"
 #include "server/security/security.h"
@@ -95,53 +98,77 @@ bool Requests::demand(Role needed, const std::string& action) {
   return false;
 }
 
-LiveRadar* Requests::controlled_radar(const std::string& name) {
+LiveRadar* Requests::claimed_radar(const std::string& name) {
   LiveRadar* radar = radar_of(name);
-  if (radar == nullptr || radar->controller == &peer_) return radar;
-  if (radar->controller != nullptr) {
-    refuse(ErrorNumber::controlled_by_other,
-           "radar " + radar->name + " is controlled by " + radar->controller->name);
-  } else {
-    refuse(ErrorNumber::not_in_control, "radar " + radar->name + " is not claimed: claim control first");
-  }
-  return nullptr;
+  return radar != nullptr && demand_claims(*radar, right_->claims) ? radar : nullptr;
 }
+
+bool Requests::demand_claims(const LiveRadar& radar, wire::ClaimSet claims) {
+  if (radar.claims.holds(peer_, claims)) return true;
+  if (const std::string held = radar.claims.sentence(claims, &peer_); !held.empty()) {
+    refuse(ErrorNumber::controlled_by_other, "radar " + radar.name + ": " + held);
+  } else {
+    const auto lacking = static_cast<wire::ClaimSet>(claims & ~radar.claims.of(peer_));
+    refuse(ErrorNumber::not_in_control,
+           "radar " + radar.name + ": not claimed: " + wire::claim_names(lacking) + "; claim control first");
+  }
+  return false;
+}
+
+namespace {
+
+/// What a message names; none: `unnamed`. Empty where it names what there is not.
+std::optional<wire::ClaimSet> read_kinds(const google::protobuf::RepeatedField<int>& kinds,
+                                         wire::ClaimSet unnamed) {
+  if (kinds.empty()) return unnamed;
+  wire::ClaimSet claims = 0;
+  for (const int kind : kinds) {
+    const auto claim = wire::claim_from_number(kind);
+    if (!claim) return std::nullopt;
+    claims |= claim_bit(*claim);
+  }
+  return claims;
+}
+
+FieldError unknown_kind(const google::protobuf::RepeatedField<int>& kinds) {
+  const auto at = std::ranges::find_if(kinds, [](int kind) { return !wire::claim_from_number(kind); });
+  return {"kinds", std::to_string(*at), "0 to " + std::to_string(wire::kClaims - 1)};
+}
+
+}  // namespace
 
 void Requests::claim_control(const wire::ClaimControl& request) {
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
-  Peer* holder = radar->controller;
-  const bool taken = holder != nullptr && holder != &peer_;
-  if (taken && request.force()) {
+  const auto wanted = read_kinds(request.kinds(), wire::kUnnamedClaims);
+  if (!wanted) return refuse(ErrorNumber::invalid_value, "claim refused", {unknown_kind(request.kinds())});
+  if (radar->claims.taken(*wanted, &peer_) != 0) {
+    if (!request.force())
+      return refuse(ErrorNumber::controlled_by_other,
+                    "radar " + radar->name + ": " + radar->claims.sentence(*wanted, &peer_));
     if (!demand(Role::admin, "taking control over")) return;
-    log_as_guest(*holder);
-    log_as_guest(peer_);
-    holder->send(
-        MessageType::error,
-        make_error(0, ErrorNumber::controlled_by_other,
-                   "control of radar " + radar->name + " was taken over by " + peer_.name, {}, radar->name));
-    spdlog::warn("radar {}: {} takes control from {}; give it a token of another role if it should not",
-                 radar->name, peer_.name, holder->name);
-  } else if (taken) {
-    return refuse(ErrorNumber::controlled_by_other,
-                  "radar " + radar->name + " is controlled by " + holder->name);
+    room_.radars().take_over(*radar, *wanted, peer_);
   }
-  if (holder == nullptr) log_doing(peer_, radar->name, "controlled by " + peer_.name);
-  if (holder != &peer_) radar->poses->restart();
-  radar->controller = &peer_;
+  const wire::ClaimSet held = radar->claims.of(peer_);
+  if (const auto fresh = static_cast<wire::ClaimSet>(*wanted & ~held))
+    log_doing(peer_, radar->name, wire::claim_names(fresh) + " claimed by " + peer_.name);
+  radar->claims.give(*wanted, peer_);
   acknowledge(radar->settings.current()->version);
 }
 
 void Requests::release_control(const wire::ReleaseControl& request) {
-  LiveRadar* radar = controlled_radar(request.radar());
+  LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
-  radar->controller = nullptr;
-  log_doing(peer_, radar->name, "released by " + peer_.name);
+  const auto wanted = read_kinds(request.kinds(), wire::kEveryClaim);
+  if (!wanted) return refuse(ErrorNumber::invalid_value, "release refused", {unknown_kind(request.kinds())});
+  const wire::ClaimSet released = room_.radars().release(*radar, *wanted, peer_);
+  if (released == 0) return (void)demand_claims(*radar, *wanted);
+  log_doing(peer_, radar->name, wire::claim_names(released) + " released by " + peer_.name);
   acknowledge(radar->settings.current()->version);
 }
 
 void Requests::set_state(const wire::SetState& request) {
-  LiveRadar* radar = controlled_radar(request.radar());
+  LiveRadar* radar = claimed_radar(request.radar());
   if (radar == nullptr) return;
   RadarSwitches wanted;
   if (request.has_transmit()) wanted.transmit = request.transmit();

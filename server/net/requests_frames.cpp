@@ -34,7 +34,7 @@ PoseSettings read_antenna(const wire::Pose& message, std::vector<FieldError>& er
   return antenna;
 }
 
-/// RenderOnce names no radar of ours; the name is only echoed.
+/// RenderOnce may name no radar of ours; the name is echoed.
 constexpr std::size_t kMaxEchoedName = 256;
 
 }  // namespace
@@ -88,11 +88,19 @@ void Requests::render_once(const wire::RenderOnce& request) {
                                                      std::to_string(options.max_renders_queued));
   RadarSettings settings;
   PoseSettings pose;
-  std::vector<FieldError> errors = missing_position(request.pose());
-  append(errors, merge_message(request.settings(), settings));
-  // Tables come from the scene file: those of the radar that the frame is to be like.
-  if (const LiveRadar* like = room_.radars().find(request.radar()))
-    settings.beam.file = like->settings.current()->settings.beam.file;
+  std::vector<FieldError> errors;
+  const LiveRadar* like =
+      request.as_live() ? radar_of(request.radar()) : room_.radars().find(request.radar());
+  if (request.as_live()) {
+    if (like == nullptr) return;  // refused
+    settings = like->settings.current()->settings;
+    pose = like->poses->at(monotonic_ns()).pose;
+  } else {
+    errors = missing_position(request.pose());
+    // Tables come from the scene file: those of the radar that the frame is to be like.
+    if (like != nullptr) settings.beam.file = like->settings.current()->settings.beam.file;
+  }
+  append(errors, merge_request(request.settings(), settings));
   append(errors, merge_message(request.pose(), pose));
   append(errors, validate(settings));
   append(errors, validate(pose));

@@ -97,7 +97,7 @@ RoomStatistics Room::statistics() const {
   for (const LiveRadar& radar : radars_.all()) {
     const LiveStream::Load load = radars_.load(radar);
     all.radars.push_back({radar.name, radar.watchers.size(), radar.rate_hz, radar.coverage,
-                          radar.controller != nullptr, !radar.faults.empty(), load.live_frames,
+                          radar.claims.is_any_held(), !radar.faults.empty(), load.live_frames,
                           load.live_bytes, load.spare_bytes, load.frames_shed});
   }
   return all;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/ground_query/query_thread.h"
+#include "server/net/exercise.h"
 #include "server/net/options.h"
 #include "server/net/radars.h"
 #include "server/net/request_limits.h"
@@ -32,6 +33,7 @@ class Room : private RenderEvents {
   const ServerOptions& options() const { return options_; }
   const FrameRenderer& renderer() const { return renderer_; }
   Radars& radars() { return radars_; }
+  Exercise& exercise() { return exercise_; }
   Clock::duration uptime() const { return Clock::now() - started_; }
   RoomStatistics statistics() const;
   /// See Server::set_limits.
@@ -129,6 +131,7 @@ class Room : private RenderEvents {
   RenderThread render_;               ///< ended before the radars go, to which it reports
   Radars radars_;
   QueryThread queries_;
+  Exercise exercise_{*this};
 };
 
 }  // namespace obliq::net

@@ -176,17 +176,32 @@ void describe_load(const LoadReport& report, wire::FrameDescriptor& descriptor) 
   for (const std::string& warning : first_of(report.warnings)) descriptor.add_warnings(cut(warning));
 }
 
-/// Of the world and its materials; empty for a world that was not loaded from a scene.
-std::string scene_hash(const World& world, const wire::FrameDescriptor& descriptor) {
-  if (world.report.world_sum.empty()) return {};
-  CacheKey key;
-  key.add("world", world.report.world_sum);
-  for (const wire::Material& material : descriptor.materials())
-    key.add("material", material.SerializeAsString());
-  return key.name();
+void write_materials(const Scene& scene, wire::FrameDescriptor& descriptor) {
+  for (const Material& material : scene.materials()) {
+    wire::Material& row = *descriptor.add_materials();
+    row.set_name(material.name);
+    row.set_model(model_name(material.model));
+    row.set_gamma(material.gamma);
+    row.set_reflectivity(material.reflectivity);
+    row.set_rms_slope(material.rms_slope);
+    row.set_plate_tau(material.plate_tau);
+    row.set_plate_exponent(material.plate_exponent);
+  }
 }
 
 }  // namespace
+
+std::string scene_hash(const Scene& scene) {
+  const std::string& world_sum = scene.world().report.world_sum;
+  if (world_sum.empty()) return {};
+  wire::FrameDescriptor with_materials;
+  write_materials(scene, with_materials);
+  CacheKey key;
+  key.add("world", world_sum);
+  for (const wire::Material& material : with_materials.materials())
+    key.add("material", material.SerializeAsString());
+  return key.name();
+}
 
 void describe_frame(const FramePlan& plan, const std::string& radar, const std::string& scene_name,
                     wire::FrameDescriptor& descriptor) {
@@ -225,17 +240,8 @@ void describe_frame(const FramePlan& plan, const std::string& radar, const std::
   const double rho_m = std::hypot(pose.antenna.m.x, pose.antenna.m.z);
   descriptor.set_azimuth_error_bound_rad(rho_m / (world.frame.radius_factor() * kMeanEarthRadius_m) *
                                          steepest_tangent(plan));
-  for (const Material& material : plan.scene().materials()) {
-    wire::Material& row = *descriptor.add_materials();
-    row.set_name(material.name);
-    row.set_model(model_name(material.model));
-    row.set_gamma(material.gamma);
-    row.set_reflectivity(material.reflectivity);
-    row.set_rms_slope(material.rms_slope);
-    row.set_plate_tau(material.plate_tau);
-    row.set_plate_exponent(material.plate_exponent);
-  }
-  descriptor.set_scene_hash(scene_hash(world, descriptor));
+  write_materials(plan.scene(), descriptor);
+  descriptor.set_scene_hash(scene_hash(plan.scene()));
   descriptor.set_cell_m(world.grid.cell_m);
   const SourceError& error = world.report.source_error;
   wire::SourceError& row = *descriptor.mutable_source_error();

@@ -13,6 +13,11 @@ namespace obliq {
 
 class FramePlan;
 class Receiver;
+class Scene;
+
+/// Of what a scene's world is made from and of its materials, as FrameDescriptor has it; empty for a world
+/// that was not loaded from a scene.
+std::string scene_hash(const Scene& scene);
 
 /// Fills the descriptor that the files and the stream share; everything known before the first wedge.
 void describe_frame(const FramePlan& plan, const std::string& radar, const std::string& scene_name,

@@ -28,6 +28,7 @@ struct VideoSettings {
   bool floor_auto = true;  ///< the scale begins where receiver/video.h puts it, else at floor_db
   double floor_db = -120;
   double span_db = 100;
+  double ftc_us = 0;  ///< fast time constant, the rain knob; 0: none
 };
 
 enum class Polarisation { horizontal, vertical };

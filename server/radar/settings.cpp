@@ -74,6 +74,8 @@ bool same_antenna(PoseSettings a, const PoseSettings& b) {
   a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;
   a.valid_s = b.valid_s;
+  a.heading_deg = b.heading_deg;
+  a.time_rate = b.time_rate;
   return a == b;
 }
 

@@ -46,6 +46,8 @@ struct RadarSettings {
   PlateKind plates = PlateKind::spread;
   int pixel_columns = 2048;  ///< of the sweep: vertical planes in the sector, at least
   int pixel_rows = 2048;     ///< the sweep has none
+  /// Of the sweep, above 0: pixel_columns follow the azimuth bins (server/control/planes_per_bin.h).
+  int planes_per_bin = 0;
   /// Of the sweep: lanes that see the buildings of an azimuth bin; 0: exact vertical planes at each of them.
   int sub_columns = 64;
   int azimuth_bins = 1024;
@@ -112,6 +114,8 @@ struct PoseSettings {
   double valid_s = 0;      ///< stale so long after its arrival; 0: never
   double tilt_deg = 0;     ///< elevation of the boresight, about the antenna's own vertical, up positive
   bool tilt_auto = false;  ///< instead: towards level ground in the middle of the swath
+  double heading_deg = 0;  ///< of the platform; the sector's centre is held against it, frames are not
+  double time_rate = 1;    ///< seconds of the controller's clock in a second
 
   bool operator==(const PoseSettings&) const = default;
 };

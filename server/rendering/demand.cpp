@@ -9,12 +9,13 @@ namespace obliq::net {
 
 std::chrono::steady_clock::duration period_of(double rate_hz) { return from_seconds(1 / rate_hz); }
 
-std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now) {
+std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now,
+                             bool unserved_only) {
   std::vector<Demand> taken;
   for (Demand& demand : demands) {
     const auto period = period_of(demand.rate_hz);
     // A tenth of a period early is on time: the radar's clock is not exact.
-    if (now + period / 10 < demand.due) continue;
+    if (now + period / 10 < demand.due || (unserved_only && demand.is_served())) continue;
     taken.push_back(demand);
     demand.due = std::max(demand.due + period, now);
   }

@@ -19,6 +19,7 @@ struct Demand {
   StreamChoice choice;
   bool lossless = false;                      ///< its frames may be late, but none is skipped
   std::chrono::steady_clock::time_point due;  ///< of its next frame; the render thread's own
+  bool is_served() const { return due != std::chrono::steady_clock::time_point{}; }  ///< has had a frame
 };
 
 /// What must be rendered of a frame for some of the watchers.
@@ -33,8 +34,10 @@ struct Order {
   std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
 };
 
-/// Copies of the demands that are due; the next date of each is set.
-std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now);
+/// Copies of the demands that are due, or of those alone that have had no frame; the next date of each is
+/// set.
+std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_clock::time_point now,
+                             bool unserved_only = false);
 /// No frame was made: they are due again.
 void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands);
 

@@ -69,6 +69,8 @@ class FrameRenderer {
     SettingsPtr settings;  ///< what the frame was made with; null: the settings asked for
     bool for_all = false;  ///< all watchers get it, whatever their rate: no frame may follow for long
   };
+  /// As FrameDescriptor has it; empty: not known.
+  virtual std::string scene_hash() const { return {}; }
   /// Changes with the scene: a frame that failed before may be possible now.
   virtual std::uint64_t generation() const { return 0; }
   /// Neither a frame nor errors: nothing new yet; the call has waited a while.

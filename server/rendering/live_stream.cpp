@@ -32,6 +32,30 @@ LiveStream::LiveStream(RenderContext& context, std::size_t radar, std::string na
 void LiveStream::set_view(LiveView view) {
   const std::lock_guard lock(mutex_);
   view_ = std::make_shared<const LiveView>(std::move(view));
+  if (!held_since_) return;
+  for (Demand& demand : demands_) demand.due = {};
+}
+
+void LiveStream::hold(bool on) {
+  const std::lock_guard lock(mutex_);
+  if (on == held_since_.has_value()) return;
+  const auto now = context_.now();
+  if (on) {
+    held_since_ = now;
+    return;
+  }
+  pause_ += now - *std::exchange(held_since_, std::nullopt);
+  dates_.begin_at(now);
+}
+
+LiveStream::Time::duration LiveStream::take_pause() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(pause_, {});
+}
+
+bool LiveStream::stands_still() const {
+  if (!held_since_) return false;
+  return wants_scan(*view_) || std::ranges::all_of(demands_, &Demand::is_served);
 }
 
 void LiveStream::set_demand(std::vector<Demand> demands) {
@@ -99,7 +123,7 @@ bool LiveStream::still_faulty(Time now) const {
 
 std::optional<LiveStream::Time> LiveStream::rests_until(Time now) {
   const std::lock_guard lock(mutex_);
-  if (context_.finishing || rate_hz_ <= 0) return kNever;
+  if (context_.finishing || rate_hz_ <= 0 || stands_still()) return kNever;
   if (!still_faulty(now)) return std::nullopt;
   dates_.begin_at(now);
   return now + kFaultLook;
@@ -144,10 +168,10 @@ std::stop_token LiveStream::new_stop() {
 
 std::optional<LiveStream::Start> LiveStream::begin_frame(Time now) {
   const std::lock_guard lock(mutex_);
-  if (stopped_ || rate_hz_ <= 0 || wants_scan(*view_)) return std::nullopt;
+  if (stopped_ || rate_hz_ <= 0 || wants_scan(*view_) || stands_still()) return std::nullopt;
   const FrameDates::Taken date = dates_.take(now, period_of(rate_hz_), sheds_none());
   Start start;
-  start.demands = take_due(demands_, now);
+  start.demands = take_due(demands_, now, held_since_.has_value());
   if (start.demands.empty()) return std::nullopt;
   start.view = std::make_shared<const LiveView>(view_->at(in_nanoseconds(now)));
   start.late_s = to_seconds(date.late);
@@ -169,7 +193,7 @@ void LiveStream::give_back(const Start& start, Time now) {
 
 std::optional<LiveStream::Start> LiveStream::begin_dwell() {
   const std::lock_guard lock(mutex_);
-  if (stopped_ || rate_hz_ <= 0 || !wants_scan(*view_)) return std::nullopt;
+  if (stopped_ || rate_hz_ <= 0 || !wants_scan(*view_) || stands_still()) return std::nullopt;
   return Start{view_, demands_, 0, new_stop()};
 }
 

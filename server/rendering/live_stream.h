@@ -32,6 +32,10 @@ class LiveStream {
   void set_view(LiveView view);
   /// None: no client watches; a frame in hand is given up.
   void set_demand(std::vector<Demand> demands);
+  /// On: time stands still. What has begun goes on to its end, a pass to the end of its dwell; then each
+  /// client gets one frame of the view that is set next, and nothing else begins. Off: a pass goes on where
+  /// it was.
+  void hold(bool on);
   /// The frame in hand is given up, and no further one begins.
   void stop();
   /// What its frames take up at present.
@@ -80,6 +84,8 @@ class LiveStream {
   void give_back(const Start& start, Time now);
   /// A dwell of a scan, for all demands, with the view as it was set.
   std::optional<Start> begin_dwell();
+  /// How long holds that have ended since the last call took in all.
+  Time::duration take_pause();
 
   std::uint64_t next_frame_id() { return ++last_frame_; }
   /// Periods or passes that went by without a frame; the next FrameBegin tells of them.
@@ -91,6 +97,8 @@ class LiveStream {
   friend struct BegunFrame;
 
   bool wants_scan(const LiveView& view) const;
+  /// It is held, and all who watch have its picture.
+  bool stands_still() const;
   bool still_faulty(Time now) const;
   bool sheds_none() const;
   std::stop_token new_stop();
@@ -111,6 +119,8 @@ class LiveStream {
   Time held_up_since_ = Time::max();  ///< of a frame due; max: it is not
   std::stop_source stop_;             ///< of the frame in hand
   bool stopped_ = false;
+  std::optional<Time> held_since_;  ///< empty: it is not held
+  Time::duration pause_{};
 
   // The same two's alone:
   Time next_reminder_{};

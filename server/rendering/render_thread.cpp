@@ -62,6 +62,11 @@ void RenderThread::set_demand(std::size_t radar, std::vector<Demand> demands) {
   wake();
 }
 
+void RenderThread::hold(bool on) {
+  for (Radar& radar : radars_) radar.stream.hold(on);
+  wake();
+}
+
 void RenderThread::enqueue(OnceRequestPtr request) {
   once_.enqueue(std::move(request));
   wake();

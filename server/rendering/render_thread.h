@@ -43,6 +43,8 @@ class RenderThread {
   void set_view(std::size_t radar, LiveView view);
   /// None: no client watches; a frame in hand is given up.
   void set_demand(std::size_t radar, std::vector<Demand> demands);
+  /// Total freeze of all radars: see LiveStream::hold.
+  void hold(bool on);
   void enqueue(OnceRequestPtr request);
   void enqueue(AppraisalPtr appraisal);
   /// A client has taken bytes, or a request was cancelled.

@@ -72,6 +72,8 @@ Job::Time ScanJob::date(Time now) {
   if (work_) return now;
   if (const auto rest = stream_.rests_until(now)) return *rest;
   stream_.put_off(now);
+  if (const auto pause = stream_.take_pause(); scan_ && pause > Time::duration{})
+    scan_->schedule.delay(pause);
   if (scan_ && scan_->settings == stream_.view()->settings) {
     const auto due = scan_->schedule.middle(scan_->next);
     if (due > now) return due;

@@ -25,6 +25,9 @@ class ScanSchedule {
 
   ScanSchedule(const RadarSettings& settings, Time begin);
 
+  /// The beam has stood still for so long.
+  void delay(Time::duration pause) { begin_ += pause; }
+
   int dwells() const { return dwells_; }
   bool is_clockwise(std::uint64_t pass) const { return !to_and_fro_ || pass % 2 == 0; }
   AzimuthRange azimuths(const Dwell& dwell) const;

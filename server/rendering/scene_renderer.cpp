@@ -86,6 +86,8 @@ void SceneRenderer::replace(std::shared_ptr<const Scene> scene) {
   scene_.swap(scene);  // the old one is freed after the lock
 }
 
+std::string SceneRenderer::scene_hash() const { return obliq::scene_hash(*scene()); }
+
 std::vector<FieldError> SceneRenderer::place(const PoseSettings& pose) const {
   std::vector<FieldError> errors;
   (void)place_antenna(scene()->world(), pose, errors);

@@ -35,6 +35,7 @@ class SceneRenderer : public FrameRenderer {
   std::vector<FieldError> place(const PoseSettings& pose) const override;
   std::vector<FieldError> scene_faults(const RadarSettings& settings) const override;
   std::vector<FieldError> faults(const RadarSettings& settings, const PoseSettings& pose) const override;
+  std::string scene_hash() const override;
   std::uint64_t generation() const override { return generation_; }
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
   Plan plan_again(const PlannedFrame& frame, const SettingsPtr& settings,

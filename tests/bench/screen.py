@@ -189,7 +189,7 @@ def picture(path):
     daemon, page = support.Daemon(SCENES / "demo.toml"), support.Page()
     page.open(daemon.url, "rate=5")
     page.await_script("globalThis.obliq && obliq.meter.drawn > 3", "frames")
-    page.script("const { ppi } = obliq.panes[0]; obliq.setCursor(ppi.fromScreen(600, 330)); obliq.setMarker(0, ppi.fromScreen(470, 300)); "
+    page.script("const { ppi } = obliq.panes[0]; obliq.setCursor(ppi.fromScreen(600, 330)); obliq.placeLine(['mark', 0], obliq.panes[0], 470, 300); "
                 "document.activeElement?.blur?.()")
     time.sleep(1.5)
     page.shot(path)

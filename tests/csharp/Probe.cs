@@ -47,6 +47,12 @@ static class Probe
             var ack = await stream.SetSettingsAsync(radar, new Fields().Add("r_max_m", 6000.0));
             Console.WriteLine("settings " + ack.settings_version + " " + (await stream.GetRadarAsync(radar)).settings.r_max_m);
             await Integers(stream, radar);
+            var knobs = await stream.GetSettingsAsync(radar);
+            Console.WriteLine("knobs " + knobs["receiver_gain_db"] + " " + knobs["noise"] + " " + knobs["beam_pattern"] + " " + knobs["planes_per_bin"] +
+                              " " + knobs["speckle_seed"]);
+            var alike = await stream.RenderAsLiveAsync(radar, new Fields().Add("bearing_deg", 5.0), new Fields().Add("azimuth_bins", 16L), "STATE");
+            Console.WriteLine("as live " + alike.AzimuthBins + " " + alike.RangeBins + " " + alike.Descriptor.settings.pixel_columns + " " +
+                              alike.Descriptor.settings.r_max_m + " " + alike.Descriptor.pose.bearing_deg);
             try { await stream.SetPoseAsync(radar, new Fields().Add("latitude_deg", 95.0).Add("bearing_deg", double.NaN)); }
             catch (ObliqException e) { Console.WriteLine(e.Message); }
             try { await stream.SetPoseAsync(radar, new Fields().Add("bering_deg", 1.0)); }

@@ -47,7 +47,9 @@ bool is_answered(MessageType type) {
       MessageType::list_radars,     MessageType::get_radar,    MessageType::claim_control,
       MessageType::release_control, MessageType::set_settings, MessageType::set_pose,
       MessageType::set_state,       MessageType::subscribe,    MessageType::unsubscribe,
-      MessageType::render_once,     MessageType::get_status,   MessageType::set_replay};
+      MessageType::render_once,     MessageType::get_status,   MessageType::set_replay,
+      MessageType::reset_exercise,  MessageType::get_exercise, MessageType::load_exercise,
+      MessageType::set_exercise};
   return std::find(kAnswered.begin(), kAnswered.end(), type) != kAnswered.end();
 }
 

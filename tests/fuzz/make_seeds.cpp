@@ -160,6 +160,34 @@ void write_requests() {
   write_seed("requests", "two_clients",
              claim + request(MessageType::claim_control, named<wire::ClaimControl>("main"), true) +
                  request(MessageType::set_pose, pose, true) + release);
+  wire::ClaimControl of_settings = named<wire::ClaimControl>("main");
+  of_settings.add_kinds(wire::SETTINGS_CLAIM);
+  wire::SetPose aim = named<wire::SetPose>("main");
+  aim.mutable_pose()->set_tilt_deg(-3);
+  wire::SetPose timed = pose;
+  timed.mutable_pose()->set_heading_deg(40);
+  timed.mutable_pose()->set_new_time_line(true);
+  timed.mutable_pose()->set_time_rate(10);
+  write_seed("requests", "one_flies_one_operates",
+             request(MessageType::claim_control, of_settings, true) + claim +
+                 request(MessageType::set_pose, aim, true) + request(MessageType::set_pose, timed) + release);
+  wire::LoadExercise load;
+  load.set_request_id(9);
+  load.mutable_state()->set_version(1);
+  for (const char* radar : {"main", "nose"}) {
+    wire::RadarState& its = *load.mutable_state()->add_radars();
+    its.set_radar(radar);
+    *its.mutable_settings() = set.settings();
+    *its.mutable_pose() = pose.pose();
+    its.set_rate_limit_hz(5);
+  }
+  wire::SetExercise stop;
+  stop.set_frozen(true);
+  wire::GetExercise state;
+  write_seed("requests", "exercise",
+             request(MessageType::get_exercise, state) + request(MessageType::set_exercise, stop) +
+                 request(MessageType::load_exercise, load) +
+                 request(MessageType::reset_exercise, named<wire::ResetExercise>("nose")));
   write_seed("requests", "watch",
              request(MessageType::subscribe, subscribe) + request(MessageType::subscribe, subscribe, true) +
                  request(MessageType::unsubscribe, named<wire::Unsubscribe>("nose")));

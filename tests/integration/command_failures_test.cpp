@@ -139,7 +139,7 @@ TEST_F(CommandFailures, AServerThatDoesNotAnswerAsOneIsToldInALine) {
          answer[4] = std::byte{2};
          return answer;
        },
-       "protocol version: found 2.1; allowed: 1.x"},
+       "protocol version: found 2.2; allowed: 1.x"},
       {"get", [](MessageType, std::uint64_t id) { return welcome(id, 9); },
        "protocol version: found 9.0; allowed: 1.x"},
       {"watch", [](MessageType, std::uint64_t) { return wire::Bytes(100, std::byte{'x'}); },

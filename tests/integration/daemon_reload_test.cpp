@@ -153,7 +153,7 @@ TEST_F(DaemonReload, ParametersWhoseTextHasChangedAreTakenOverAndOthersStayAsCli
   wire::Ack ack;
   ASSERT_TRUE(other.set_settings("main", settings, ack).ok());
   write("[radar]\nr_min_m = 2000.0\nr_max_m = 7000.0\n");
-  ASSERT_TRUE(frames_until_log("radar main: is controlled by pilot"));
+  ASSERT_TRUE(frames_until_log("radar main: settings are held by pilot"));
   EXPECT_NE(daemon.log().find("\"radar.r_max_m is now 7000.0\""), std::string::npos) << daemon.log();
   wire::RadarInfo info;
   ASSERT_TRUE(other.get_radar("main", info).ok());
@@ -165,6 +165,19 @@ TEST_F(DaemonReload, ParametersWhoseTextHasChangedAreTakenOverAndOthersStayAsCli
   ASSERT_TRUE(other.get_radar("main", info).ok());
   EXPECT_EQ(info.settings().r_max_m(), 7000);
   EXPECT_EQ(info.settings().power_w(), 7) << "its text in the file has not changed";
+
+  // Planes follow the bins that the file and clients have; columns that the file names decide.
+  const std::string ranges = "[radar]\nr_min_m = 2000.0\nr_max_m = 7000.0\n";
+  write(ranges + "frustum.quality = \"standard\"\nfrustum.planes_per_bin = 3\n");
+  ASSERT_TRUE(frames_until_log("frustum.planes_per_bin is now 3"));
+  ASSERT_TRUE(other.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().pixel_columns(), 3 * info.settings().azimuth_bins());
+  EXPECT_EQ(info.settings().planes_per_bin(), 3);
+  write(ranges + "frustum.kind = \"sweep\"\nfrustum.pixel_columns = 50\n");
+  ASSERT_TRUE(frames_until_log("frustum.planes_per_bin is now 0"));
+  ASSERT_TRUE(other.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().pixel_columns(), 50);
+  EXPECT_EQ(info.settings().planes_per_bin(), 0);
   EXPECT_EQ(daemon.log().find("restart obliqd"), std::string::npos) << daemon.log();
 }
 

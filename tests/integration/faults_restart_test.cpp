@@ -17,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <sstream>
+#include <thread>
 
 #include "client/frame_assembler.h"
 #include "client/resuming_client.h"
@@ -56,6 +57,30 @@ class Restart : public testing::Test {
 client::ResumingClient connect(const std::string& address, client::ResumeOptions options) {
   client::Client client = connected(address);
   return {std::move(client), std::move(options)};
+}
+
+// Fails when the flight ends with the server, when the pose is not claimed again, and when the sector's
+// centre is not said again to a server that knows nothing of before.
+TEST_F(Restart, AFlightGoesOnWhenTheServerIsBack) {
+  const std::string track = folder.write("track.csv", "0,33,-99.5,1500,40\n3600,33.1,-99.5,1500,40\n");
+  Running flight({"fly", track, "--server", daemon->address()}, folder / "fly.log");
+  const auto fly_on = [&] {
+    client::Client looking = connected(daemon->address());
+    wire::RadarInfo info;
+    do {
+      EXPECT_TRUE(is_ok(looking.get_radar("main", info)));
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    } while (info.pose().pose_id() < 3 && !flight.has_ended());
+    EXPECT_NE(info.controller().find("obliq fly"), std::string::npos) << flight.log();
+    EXPECT_EQ(info.pose().bearing_deg(), 40);
+    return info.pose().pose_id();
+  };
+  const std::uint64_t before = fly_on();
+  kill_nine();
+  start_again();
+  EXPECT_GT(fly_on(), before) << "the flight's own clock";
+  EXPECT_EQ(flight.end(SIGINT), 0) << flight.log();
+  EXPECT_NE(flight.log().find("connected again"), std::string::npos) << flight.log();
 }
 
 // Fails when the frame in hand is kept (a frame begins before the one before it ended), when the

@@ -86,7 +86,7 @@ TEST_F(HttpPageTest, EveryFileOfTheFolderIsServedWithItsTypeAndAllAreSmall) {
     ++files;
   }
   EXPECT_GE(files, 1);
-  EXPECT_LE(bytes, 150'000u) << "all of the page";
+  EXPECT_LE(bytes, 250'000u) << "all of the page";
   EXPECT_EQ(http_get(port(), "/").body, text_of(kPage / "index.html"));
   EXPECT_EQ(http_get(port(), "/index.htm").status, 404);
   EXPECT_EQ(http_get(port(), "/../http_server.h").status, 404);
@@ -142,7 +142,8 @@ TEST(HttpPage, TheDaemonServesItFromTheFirstMomentAndNamesIt) {
   const TestFolder folder;
   const std::string scene =
       folder.write("scene.toml", text_of(SmallScene{.terrain = "synthetic = \"hills\"\n"}));
-  const Daemon daemon({"--config", scene, "--set", "terrain.cell_m=2.5", "--set", "http.names=radar.example"},
+  const Daemon daemon({"--config", scene, "--set", "terrain.cell_m=2.5", "--set", "http.names=radar.example",
+                       "--set", "http.range_scales=[0.25, 6, 12]", "--set", "http.range_unit=km"},
                       folder.path(), "loading terrain");
   const std::string log = daemon.log();
   const std::size_t at = log.find("HTTP on ") + 8;
@@ -150,6 +151,11 @@ TEST(HttpPage, TheDaemonServesItFromTheFirstMomentAndNamesIt) {
   const std::uint16_t port = port_of(address);
   EXPECT_EQ(http_get(port, "/").body, text_of(kPage / "index.html"));
   EXPECT_EQ(http_get(port, "/readyz").status, 503);
+  const HttpReply state = http_get(port, "/page.json");
+  EXPECT_EQ(state.status, 200) << "a browser's console has a line for each 503";
+  EXPECT_EQ(state.body.find("{\"state\":\"loading: "), 0u) << state.body;
+  EXPECT_NE(state.body.find(",\"range_scales\":[0.25,6,12],\"range_unit\":\"km\"}"), std::string::npos)
+      << state.body;
   const Outcome json = run_program(OBLIQ_PROGRAM, {"parameters", "--json"}, folder.path());
   EXPECT_EQ(http_get(port, "/parameters.json").body, json.out);
   EXPECT_EQ(ask(port, "/", "Host: radar.example\r\n").status, 200);
@@ -158,6 +164,21 @@ TEST(HttpPage, TheDaemonServesItFromTheFirstMomentAndNamesIt) {
   const Daemon ready({"--config", scene}, folder.path());
   EXPECT_NE(ready.log().find("the picture in a browser: http://127.0.0.1:"), std::string::npos)
       << ready.log();
+}
+
+TEST(HttpPage, RangeScalesThatDoNotRiseAreRefused) {
+  const TestFolder folder;
+  const std::string scene =
+      folder.write("scene.toml", text_of(SmallScene{.terrain = "synthetic = \"hills\"\n"}));
+  for (const std::string set :
+       {"range_scales=[]", "range_scales=[1, 1]", "range_scales=[2, 1]", "range_scales=[0]",
+        "range_scales=[501]", "range_scales=wide", "range_unit=ft", "range_unit=1"}) {
+    const Outcome outcome = run_program(
+        OBLIQD_PROGRAM, {"--config", scene, "--set", "http." + set, "--check-config"}, folder.path());
+    EXPECT_EQ(outcome.code, 1) << set;
+    EXPECT_NE(outcome.err.find("allowed: "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(set.substr(0, set.find('='))), std::string::npos) << outcome.err;
+  }
 }
 
 TEST(HttpPage, NamesAndOriginsThatAreNoneAreRefused) {

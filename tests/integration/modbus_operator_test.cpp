@@ -133,6 +133,21 @@ TEST_F(ModbusOperator, WhileAClientHoldsControlApplyIsBusyAndTheOperatorsCoilsWo
   EXPECT_EQ(s.info().settings().azimuth_bins(), 18);
 }
 
+TEST_F(ModbusOperator, PlanesPerBinFollowTheBinsUnlessColumnsAreStagedToo) {
+  EXPECT_EQ(master.write(250, {3}), 0);  // sweep
+  EXPECT_EQ(master.write(320, {3}), 0);
+  EXPECT_EQ(master.coil(2, true), 0);
+  EXPECT_EQ(s.info().settings().pixel_columns(), 60);
+  EXPECT_EQ(master.write(254, {40}), 0);
+  EXPECT_EQ(master.coil(2, true), 0);
+  EXPECT_EQ(s.info().settings().pixel_columns(), 120);
+  EXPECT_EQ(master.write(252, {50}), 0);
+  EXPECT_EQ(master.write(320, {4}), 0);
+  EXPECT_EQ(master.coil(2, true), 0);
+  EXPECT_EQ(s.info().settings().pixel_columns(), 50);
+  EXPECT_EQ(s.info().settings().planes_per_bin(), 0);
+}
+
 TEST_F(ModbusOperator, TheRatesLimitHoldsForAllWatchers) {
   EXPECT_EQ(master.write(230, {250}), 0);  // 2.5 Hz
   EXPECT_EQ(master.coil(2, true), 0);

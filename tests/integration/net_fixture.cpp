@@ -111,7 +111,7 @@ RadarConfig small_radar(const std::string& name) {
   radar.settings.range_bins = 32;
   radar.settings.pixel_columns = 64;
   radar.settings.pixel_rows = 64;
-  radar.pose.bearing_deg = 45;
+  radar.pose.bearing_deg = radar.pose.heading_deg = 45;
   return radar;
 }
 

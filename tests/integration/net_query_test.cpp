@@ -199,6 +199,67 @@ TEST_F(Served, RenderOnceGivesItsOwnFrameAndTouchesNoRadar) {
   EXPECT_EQ(info.settings_version(), 1u);
 }
 
+TEST_F(Served, RenderOnceAsTheLiveRadarIsTakesWhatItDoesNotNameFromThere) {
+  ASSERT_TRUE(client.claim_control("main").ok());
+  wire::RadarSettings live;
+  live.set_r_max_m(30000);
+  live.set_frustum(wire::SWEEP);
+  live.set_planes_per_bin(3);
+  live.set_receiver_gain_db(7);
+  wire::Ack ack;
+  ASSERT_TRUE(client.set_settings("main", live, ack).ok());
+  wire::Pose pose;
+  pose.set_bearing_deg(90);
+  pose.set_height_m(1234);
+  ASSERT_TRUE(client.set_pose("main", pose, ack).ok());
+
+  wire::RenderOnce request;
+  request.set_radar("main");
+  request.set_as_live(true);
+  request.mutable_settings()->set_azimuth_bins(8);
+  request.mutable_pose()->set_tilt_deg(-4);
+  ASSERT_TRUE(client.render_once(request).ok());
+  FrameAssembler frames;
+  ASSERT_TRUE(receive_frame(client, frames).ok());
+  const wire::RadarSettings& settings = frames.frame().descriptor->settings();
+  EXPECT_EQ(settings.r_max_m(), 30000);
+  EXPECT_EQ(settings.receiver_gain_db(), 7);
+  EXPECT_EQ(settings.range_bins(), 32);
+  EXPECT_EQ(settings.azimuth_bins(), 8);
+  EXPECT_EQ(settings.planes_per_bin(), 3);
+  EXPECT_EQ(settings.pixel_columns(), 24) << "planes follow the bins";
+  EXPECT_EQ(frames.frame().descriptor->pose().bearing_deg(), 90);
+  EXPECT_EQ(frames.frame().descriptor->pose().height_m(), 1234);
+  EXPECT_EQ(frames.frame().descriptor->pose().tilt_deg(), -4);
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().azimuth_bins(), 20) << "the live radar is not touched";
+  EXPECT_EQ(info.settings().pixel_columns(), 60);
+
+  request.set_radar("tail");
+  const client::Status refused = client.render_once(request);
+  EXPECT_EQ(refused.number, number(wire::ErrorNumber::unknown_radar));
+}
+
+TEST_F(Served, AClientOf11GetsTheColumnsThatItSends) {
+  ASSERT_TRUE(client.claim_control("main").ok());
+  wire::RadarSettings settings;
+  settings.set_frustum(wire::SWEEP);
+  settings.set_planes_per_bin(3);
+  wire::Ack ack;
+  ASSERT_TRUE(client.set_settings("main", settings, ack).ok());
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().pixel_columns(), 60);
+  settings = info.settings();
+  settings.clear_planes_per_bin();  // it knows no such field
+  settings.set_azimuth_bins(40);
+  ASSERT_TRUE(client.set_settings("main", settings, ack).ok());
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.settings().pixel_columns(), 60);
+  EXPECT_EQ(info.settings().planes_per_bin(), 0);
+}
+
 TEST(RenderOnce, RenderOnceOfAnySizeComesInSlices) {
   net::ServerOptions options = small_options();
   options.slice_bytes = 1;  // one wedge a slice, and each waits until the one before has been taken

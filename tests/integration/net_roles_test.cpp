@@ -354,7 +354,7 @@ TEST(Visits, WhoWatchesOrFliesIsToldWhenHeComesAndWhenHeGoes) {
   lines = lines_about("pilot", log);
   ASSERT_EQ(lines.size(), 4u) << log;
   EXPECT_NE(lines[1].find("radar main: flown by pilot"), std::string::npos) << lines[1];
-  EXPECT_NE(lines[2].find("radar main: released by pilot"), std::string::npos) << lines[2];
+  EXPECT_NE(lines[2].find("radar main: pose and settings released by pilot"), std::string::npos) << lines[2];
 }
 
 }  // namespace

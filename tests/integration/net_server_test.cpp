@@ -29,7 +29,7 @@ TEST(Server, ServesAClientOfVersion1Point0) {
   wire::Welcome welcome;
   ASSERT_TRUE(peer.await(wire::MessageType::welcome, welcome));
   EXPECT_EQ(welcome.major(), 1u);
-  EXPECT_EQ(welcome.minor(), 1u) << "PROTOCOL.md, Versions";
+  EXPECT_EQ(welcome.minor(), 2u) << "PROTOCOL.md, Versions";
 }
 
 TEST_F(Served, RefusesAnUnknownRadarAndNamesThoseThereAre) {
@@ -180,6 +180,40 @@ TEST_F(Served, NewSettingsAndPoseShowInTheNextFramesAndVersion) {
   EXPECT_GT(frames.block.pose_received_ns(), 0);
   EXPECT_GE(frames.block.render_start_ns(), frames.block.pose_received_ns());
   EXPECT_GE(frames.block.send_ns(), frames.block.render_start_ns());
+}
+
+TEST_F(Served, SentPosesArriveInTheirOrderAndRefusalsComeToTheHandler) {
+  struct Refusals : client::FrameHandler {
+    std::vector<client::Status> all;
+    client::Status on_refused_pose(const client::Status& why) override {
+      all.push_back(why);
+      return {};
+    }
+  } refusals;
+  client.set_handler(&refusals);
+  wire::Pose pose;
+  ASSERT_TRUE(client.send_pose("main", pose).ok());
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  ASSERT_EQ(refusals.all.size(), 1u);
+  EXPECT_EQ(refusals.all[0].number, number(ErrorNumber::not_in_control));
+  ASSERT_TRUE(client.claim_control("main").ok());
+  constexpr int kPoses = 2000;
+  for (int k = 0; k < kPoses; ++k) {
+    pose.set_pose_id(static_cast<std::uint64_t>(k));
+    pose.set_bearing_deg(k % 360);
+    ASSERT_TRUE(client.send_pose("main", pose).ok());
+  }
+  pose.set_bearing_deg(1e9);
+  ASSERT_TRUE(client.send_pose("main", pose).ok());
+  ASSERT_TRUE(client.get_radar("main", info).ok()) << "its answer is behind those of the poses";
+  EXPECT_EQ(info.pose().pose_id(), kPoses - 1u);
+  EXPECT_EQ(info.pose().bearing_deg(), (kPoses - 1) % 360);
+  ASSERT_EQ(refusals.all.size(), 2u);
+  EXPECT_EQ(refusals.all[1].number, number(ErrorNumber::invalid_value));
+  ASSERT_EQ(refusals.all[1].fields.size(), 1u);
+  EXPECT_EQ(refusals.all[1].fields[0].field, "antenna.bearing_deg");
+  client.set_handler(nullptr);
 }
 
 TEST(Server, APoseWhereNoFileHasGroundIsTakenWithAWarning) {

@@ -136,6 +136,22 @@ TEST_F(ScanTest, WhatTheBeamHasPassedLongAgoIsSaidToBeMissed) {
   EXPECT_EQ(events_.wedges.back().first_azimuth(), 24u) << "the fourth has gone back: dwell 4 of 8";
 }
 
+TEST_F(ScanTest, AHeldBeamStandsAndGoesOnWhereItWas) {
+  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
+  advance_to(0.08);
+  thread_.hold(true);
+  advance_to(5.0);
+  thread_.hold(false);  // 4.92 s that do not count
+  for (int k = 1; k < 8; ++k) {
+    advance_to(4.92 + (k + 0.5) / 8 + 0.001);
+    ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == static_cast<std::size_t>(k + 1); }));
+    EXPECT_EQ(events_.wedges.back().first_azimuth(), static_cast<unsigned>(8 * k));
+  }
+  ASSERT_TRUE(events_.wait([&] { return events_.ends.size() == 1; }));
+  EXPECT_EQ(events_.ends[0].missed_size(), 0);
+  EXPECT_EQ(events_.begins.size(), 1u) << "the same pass";
+}
+
 TEST_F(ScanTest, ACircularAntennaBeginsEachTurnAtItsLeftEdge) {
   ASSERT_TRUE(first_dwell_comes(ScanMode::circular));
   advance_to(1.07);

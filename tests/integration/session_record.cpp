@@ -33,16 +33,33 @@ enum class Mask {
 };
 
 Mask mask_of(const std::string& field) {
-  static const std::map<std::string_view, Mask> masks{
-      {"pose_received_ns", Mask::one}, {"render_start_ns", Mask::one}, {"send_ns", Mask::one},
-      {"beam_ns", Mask::one},          {"begin_ns", Mask::one},        {"render_s", Mask::one},
-      {"waited_s", Mask::one},         {"last_render_s", Mask::one},   {"uptime_s", Mask::one},
-      {"bytes_sent", Mask::one},       {"live_frames", Mask::gone},    {"live_bytes", Mask::gone},
-      {"server_version", Mask::star},  {"token", Mask::star},          {"text", Mask::star},
-      {"reason", Mask::star},          {"warnings", Mask::star},       {"found", Mask::star},
-      {"allowed", Mask::star},         {"fault", Mask::star},          {"coverage_reason", Mask::star},
-      {"window_error", Mask::star},    {"window_failure", Mask::star}, {"client_name", Mask::no_address},
-      {"controller", Mask::no_address}};
+  static const std::map<std::string_view, Mask> masks{{"pose_received_ns", Mask::one},
+                                                      {"render_start_ns", Mask::one},
+                                                      {"send_ns", Mask::one},
+                                                      {"beam_ns", Mask::one},
+                                                      {"begin_ns", Mask::one},
+                                                      {"render_s", Mask::one},
+                                                      {"waited_s", Mask::one},
+                                                      {"last_render_s", Mask::one},
+                                                      {"uptime_s", Mask::one},
+                                                      {"bytes_sent", Mask::one},
+                                                      {"live_frames", Mask::gone},
+                                                      {"live_bytes", Mask::gone},
+                                                      {"server_version", Mask::star},
+                                                      {"token", Mask::star},
+                                                      {"text", Mask::star},
+                                                      {"reason", Mask::star},
+                                                      {"warnings", Mask::star},
+                                                      {"found", Mask::star},
+                                                      {"allowed", Mask::star},
+                                                      {"fault", Mask::star},
+                                                      {"coverage_reason", Mask::star},
+                                                      {"window_error", Mask::star},
+                                                      {"window_failure", Mask::star},
+                                                      {"client_name", Mask::no_address},
+                                                      {"controller", Mask::no_address},
+                                                      {"settings_controller", Mask::no_address},
+                                                      {"build", Mask::star}};
   const auto at = masks.find(field);
   return at == masks.end() ? Mask::none : at->second;
 }
@@ -188,6 +205,16 @@ TypeFacts facts_of(MessageType type) {
       return {"SetReplay", true, false};
     case MessageType::replay_state:
       return {"ReplayState", false, false};  // of a replay alone
+    case MessageType::reset_exercise:
+      return {"ResetExercise", true, false};
+    case MessageType::get_exercise:
+      return {"GetExercise", true, false};
+    case MessageType::exercise_state:
+      return {"ExerciseState", false, true};
+    case MessageType::load_exercise:
+      return {"LoadExercise", true, false};
+    case MessageType::set_exercise:
+      return {"SetExercise", true, false};
     case MessageType::frame_begin:
       return {"FrameBegin", false, true};
     case MessageType::wedge_block:

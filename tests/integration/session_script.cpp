@@ -57,6 +57,7 @@ class Script {
                   single_frames(viewer);
                   end(viewer, controller, admin, server);
                 });
+    crew();
     refusals();
     if (door_ == Door::tcp) damaged_bytes();
   }
@@ -248,6 +249,49 @@ class Script {
     viewer.ask(get_status, "", status);
     server.stop();
     for (RecordedPeer* peer : {&viewer, &controller, &admin}) peer->read_to_the_end();
+  }
+
+  /// What version 1.2 added, on a server of its own.
+  void crew() {
+    record_.note("# One flies, one operates, and the exercise");
+    with_server(
+        [](net::ServerOptions&) {},
+        [&](net::Server&, const client::Endpoint& at) {
+          RecordedPeer viewer(record_, "viewer", at, door_);
+          RecordedPeer host(record_, "controller", at, door_);
+          RecordedPeer admin(record_, "admin", at, door_);
+          viewer.ask(hello, "major: 1 minor: 2 client_name: 'viewer' token: 'viewer-token-0123456789'",
+                     welcome);
+          host.ask(hello, "major: 1 minor: 2 client_name: 'host' token: 'controller-token-0123456789'",
+                   welcome);
+          admin.ask(hello, "major: 1 minor: 2 client_name: 'admin' token: 'admin-token-0123456789'", welcome);
+          host.ask(claim_control, "radar: 'main' kinds: POSE_CLAIM", ack);
+          admin.ask(claim_control, kMain, error);
+          admin.ask(claim_control, "radar: 'main' kinds: SETTINGS_CLAIM", ack);
+          admin.ask(get_radar, kMain, radar_info);
+          host.ask(set_pose, "radar: 'main' pose { heading_deg: 100 bearing_deg: 20 tilt_deg: -2 }", ack);
+          admin.ask(set_pose, "radar: 'main' pose { bearing_deg: 30 tilt_deg: -3 }", ack);
+          admin.ask(set_pose, "radar: 'main' pose { bearing_deg: 30 height_m: 5 }", error);
+          host.ask(set_pose, "radar: 'main' pose { sim_time_ns: 9000000000 time_rate: 10 heading_deg: 110 }",
+                   ack);
+          host.ask(set_pose,
+                   "radar: 'main' pose { sim_time_ns: 1000000000 new_time_line: true valid_s: 600 }", ack);
+          host.ask(set_settings, "radar: 'main' settings { power_w: 3 }", error);
+          host.ask(get_radar, kMain, radar_info);
+          viewer.ask(get_exercise, "", exercise_state);
+          viewer.ask(set_exercise, "frozen: true", error);
+          host.ask(set_exercise, "frozen: true", error);
+          admin.ask(load_exercise, "state { version: 2 scene_hash: 'another' }", error);
+          admin.ask(set_exercise, "frozen: true", ack);
+          viewer.ask(subscribe, watch("main", "planes: STATE"), frame_end);  // the still
+          viewer.ask(get_radar, kMain, radar_info);
+          viewer.ask(unsubscribe, kMain, ack);
+          admin.ask(set_exercise, "frozen: false", ack);
+          admin.ask(reset_exercise, "radar: 'none'", error);
+          admin.ask(reset_exercise, kMain, ack);
+          host.ask(release_control, kMain, ack);
+          viewer.ask(get_radar, kMain, radar_info);
+        });
   }
 
   void refusals() {

@@ -81,6 +81,35 @@ TEST_F(SetCommand, SeveralKeysChangeAtOnceAndTheOtherRadarStays) {
   EXPECT_EQ(info("main").settings_version(), 1u);
 }
 
+TEST_F(SetCommand, LengthsMayNameTheirUnit) {
+  ASSERT_EQ(obliq({"set", "--radar", "nose", "radar.r_max_m=5nmi", "radar.r_min_m=0.5 km"}).code, 0);
+  EXPECT_EQ(info().settings().r_max_m(), 9260);
+  EXPECT_EQ(info().settings().r_min_m(), 500);
+  ASSERT_EQ(obliq({"pose", "--radar", "nose", "--height", "9842ft"}).code, 0);
+  EXPECT_DOUBLE_EQ(info().pose().height_m(), 9842 * 0.3048);
+  expect_refused({"radar.r_max_m=5yd"},
+                 "radar.r_max_m: found 5yd; allowed: number above 0, at most 500000 m; "
+                 "or with a unit: m, km, ft, nmi");
+  expect_refused({"radar.sector_deg=5km"},
+                 "radar.sector_deg: found 5km; allowed: number above 0, at most 360 deg");
+  expect_refused({"radar.r_max_m=1e999km"}, "radar.r_max_m: found");
+  expect_refused({"radar.r_max_m=nan ft"}, "radar.r_max_m: found");
+}
+
+TEST_F(SetCommand, PlanesFollowTheBinsUnlessColumnsAreNamed) {
+  ASSERT_EQ(obliq({"set", "frustum.quality=standard", "bins.azimuth=48", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().planes_per_bin(), 2);
+  EXPECT_EQ(info().settings().pixel_columns(), 96);
+  ASSERT_EQ(obliq({"set", "bins.azimuth=64", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 128) << "twice the bins still: standard, not draft";
+  ASSERT_EQ(obliq({"set", "frustum.planes_per_bin=5", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 320);
+  ASSERT_EQ(obliq({"set", "frustum.pixel_columns=100", "--radar", "nose"}).code, 0);
+  EXPECT_EQ(info().settings().pixel_columns(), 100);
+  EXPECT_EQ(info().settings().planes_per_bin(), 0);
+  expect_refused({"frustum.planes_per_bin=1025"}, "allowed: integer 0 to 1024");
+}
+
 TEST_F(SetCommand, TransmitAndFreezeAreSwitched) {
   ASSERT_EQ(obliq({"set", "--transmit", "off", "--radar", "nose"}).code, 0);
   EXPECT_TRUE(info().transmit_off());
@@ -119,7 +148,7 @@ TEST_F(SetCommand, WhatCannotBeSetIsRefusedAndChangesNothing) {
   expect_refused({"radar.r_max_m=8000", "radar.r_mx_m=3"}, "did you mean radar.r_max_m?");
   expect_refused({"radar.r_max_m=8000", "terrain.cell_m=10"}, "set terrain.cell_m: belongs to the scene");
   expect_refused({"server.port=10"}, "reads when it starts");
-  expect_refused({"antenna.bearing_deg=10"}, "obliq pose --set antenna.bearing_deg=VALUE");
+  expect_refused({"antenna.height_m=10"}, "obliq pose --set antenna.height_m=VALUE");
   expect_refused({"radar.r_max_m"}, "allowed: KEY=VALUE");
   expect_refused({"radar.r_max_m=nan"}, "radar.r_max_m: found nan");
   expect_refused({"radar.r_max_m=8000", "radar.sector_deg=400"}, "allowed: number above 0, at most 360 deg");
@@ -134,7 +163,7 @@ TEST_F(SetCommand, ARadarThatSomebodyElseControlsIsLeftAloneAndHisNameIsSaid) {
   ASSERT_TRUE(pilot.claim_control("nose").ok());
   const Outcome outcome = obliq({"set", "radar.r_max_m=8000", "--radar", "nose"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find("controlled by pilot"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("held by pilot"), std::string::npos) << outcome.err;
   EXPECT_EQ(info().settings().r_max_m(), 9000);
   EXPECT_EQ(obliq({"set", "--radar", "nose"}).code, 0) << "looking needs no control";
 }
@@ -264,6 +293,36 @@ TEST_F(Fly, AnInterruptEndsTheFlightInOrderAndReleasesTheRadar) {
   EXPECT_EQ(flight.end(SIGINT), 0) << flight.log();
   EXPECT_NE(flight.log().find("main: interrupted after"), std::string::npos) << flight.log();
   EXPECT_EQ(info().controller(), "");
+}
+
+TEST_F(Fly, KnobsAndTiltAreTurnedWhileItFlies) {
+  const std::string track = folder.write("track.csv", "0,33,-99.5,1500,0\n3600,33.1,-99.5,1500,90\n");
+  Running flight({"fly", track, "--server", daemon.address()}, folder / "fly.log");
+  const auto fly_on = [&] {
+    for (const std::uint64_t from = info().pose().pose_id();
+         info().pose().pose_id() < from + 2 && !flight.has_ended();)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  };
+  fly_on();
+  const std::vector<std::string> to_server{"--server", daemon.address()};
+  const Outcome set =
+      obliq({"set", "receiver.gain_db=6", "antenna.tilt_deg=-5", "antenna.bearing_deg=30"}, to_server);
+  EXPECT_EQ(set.code, 0) << set.err;
+  EXPECT_NE(set.out.find("receiver.gain_db = 6.0"), std::string::npos) << set.out;
+  EXPECT_NE(set.out.find("antenna.tilt_deg = -5.0"), std::string::npos) << set.out;
+  EXPECT_EQ(obliq({"set", "--freeze", "on"}, to_server).code, 0);
+  EXPECT_EQ(obliq({"set", "--freeze", "off"}, to_server).code, 0);
+  fly_on();
+  const wire::RadarInfo now = info();
+  EXPECT_NE(now.controller().find("obliq fly"), std::string::npos);
+  EXPECT_EQ(now.settings_controller(), "");
+  EXPECT_EQ(now.settings().receiver_gain_db(), 6);
+  EXPECT_EQ(now.pose().tilt_deg(), -5);
+  EXPECT_NEAR(now.pose().bearing_deg(), now.pose().heading_deg() + 30, 1e-9);
+  const Outcome other = obliq({"pose", "--tilt", "-1"}, to_server);
+  EXPECT_EQ(other.code, 1) << other.out;
+  EXPECT_NE(other.err.find("pose is held by obliq fly"), std::string::npos) << other.err;
+  EXPECT_EQ(flight.end(SIGINT), 0) << flight.log();
 }
 
 TEST_F(Fly, APipeIsFlownAsItsLinesCome) {

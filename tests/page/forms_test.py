@@ -58,7 +58,7 @@ class Forms(unittest.TestCase):
         shown = self.page.script("return [...document.querySelectorAll('#radar .field')].map((field) => "
                                  "[field.querySelector('[data-key]').dataset.key, field.querySelector('.name').textContent])")
         self.assertEqual(shown, [[p["key"], p["knob"]] for p in table if "knob" in p])
-        self.assertIn(["receiver.stc_range_m", "STC range"], shown)
+        self.assertIn(["receiver.stc_range_m", "sea (STC)"], shown)
         forms = self.page.script("""const { section } = obliq.controls;
             return [...section.options].flatMap(({ value }) => {
               section.value = value;
@@ -84,8 +84,13 @@ class Forms(unittest.TestCase):
         self.page.await_script("obliq.panes[0].info", "the radar")
         self.page.script("document.getElementById('two').click()")
         self.page.await_script("obliq.panes[1]?.bins.frames > 0", "a second picture")
-        self.assertEqual(self.page.script("return obliq.panes[1].source"), "frustum oblique")
-        self.assertNotIn("frustum symmetric", self.page.script("return [...obliq.panes[1].pick.options].map(({ value }) => value)"))
+        self.assertEqual(self.page.script("return obliq.panes[1].source"), "scale 10 NM")
+        self.page.await_script("Math.abs(obliq.panes[1].bins.placement.rMax_m - 18520) < 1e-6", "the same radar at 10 NM")
+        options = "return [...obliq.panes[1].pick.options].map(({ value }) => value)"
+        self.assertEqual(self.page.script(options), ["radar round", *(f"scale {scale} NM" for scale in (10, 20, 40, 80))], "words of operators")
+        self.page.script("document.getElementById('expert').click()")
+        self.assertIn("frustum oblique", self.page.script(options))
+        self.assertNotIn("frustum symmetric", self.page.script(options))
         self.show("panes=2", daemon.url)
         self.page.await_script("obliq.panes[1]?.bins.frames > 0", "a second picture of a bookmark")
         self.page.script("obliq.choose(obliq.panes[1], 'frustum symmetric')")

@@ -75,10 +75,11 @@ class People(unittest.TestCase):
         self.show("a=main")
         look = "obliq.look"
         for key, before, after in (("c", f"{look}.palette === 'green'", f"{look}.palette === 'grey'"),
-                                   ("n", f"{look}.up === 'north'", f"{look}.up === 'bearing'"),
-                                   ("g", f"!{look}.slant", f"{look}.slant"), ("u", f"{look}.unit === 'km'", f"{look}.unit === 'NM'"),
+                                   ("n", f"{look}.up === 'auto'", f"{look}.up === 'heading'"),
+                                   ("b", f"!{look}.bscope", f"{look}.bscope"), ("b", f"{look}.bscope", f"!{look}.bscope"),
+                                   ("l", f"!{look}.slant", f"{look}.slant"), ("u", f"{look}.unit === 'km'", f"{look}.unit === 'NM'"),
                                    ("o", f"!{look}.overlay", f"{look}.overlay"), ("r", f"{look}.rings", f"!{look}.rings"),
-                                   ("a", f"{look}.auto", f"!{look}.auto"), ("+", f"!{look}.window", f"{look}.window.zoom > 1"),
+                                   ("a", "obliq.panes[0].levels.auto", "!obliq.panes[0].levels.auto"), ("+", f"!{look}.window", f"{look}.window.zoom > 1"),
                                    ("0", f"{look}.window", f"!{look}.window"), ("f", f"!{look}.hold", f"{look}.hold"),
                                    ("p", "obliq.panes.length === 1", "obliq.panes.length === 2"),
                                    ("d", "obliq.tab === 'view'", "obliq.tab === 'radar'"),
@@ -97,9 +98,9 @@ class People(unittest.TestCase):
         self.press("ArrowRight")
         self.page.await_script("obliq.look.cursor !== null", "a cursor")
         self.press("1")
-        self.page.await_script("obliq.look.markers[0] !== null", "a marker")
+        self.page.await_script("obliq.look.lines.ebl[0] !== null && obliq.look.lines.vrm[0] !== null", "a bearing line and a range marker")
         self.press("Escape")
-        self.page.await_script("obliq.look.cursor === null && obliq.look.markers[0] === null", "neither")
+        self.page.await_script("obliq.look.cursor === null && obliq.look.lines.ebl[0] === null", "neither")
         self.press("?")
         self.page.await_script("document.getElementById('help').open", "the list of keys")
 
@@ -114,7 +115,7 @@ class People(unittest.TestCase):
         fragment = self.page.script("return location.hash")
         self.page.driver.refresh()
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
-        self.assertEqual(self.page.script("return [obliq.look.palette, obliq.look.up, obliq.look.unit]"), ["grey", "bearing", "NM"])
+        self.assertEqual(self.page.script("return [obliq.look.palette, obliq.look.up, obliq.look.unit]"), ["grey", "heading", "NM"])
         self.assertEqual(self.page.script("return location.hash"), fragment)
 
     def test_tab_reaches_every_control_in_the_order_of_the_page(self):

@@ -108,7 +108,7 @@ class Picture(unittest.TestCase):
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
         _, frame = self.video("main")
         low = self.page.script("return obliq.panes[0].bins.bestScale(obliq.panes[0].ppi.table).low_dB")
-        self.page.script(f"obliq.level({low}, 45); obliq.look.auto = false")
+        self.page.script(f"obliq.level({low}, 45)")
         self.page.await_frame(2)
         self.daemon.run("get", "--server", self.daemon.address, "--radar", "main", "--north-up", "--db-range",
                         f"{low}:{low + 45}", "--out", self.daemon.folder / "map")

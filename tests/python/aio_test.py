@@ -64,6 +64,12 @@ class Aio(unittest.IsolatedAsyncioTestCase):
             with self.assertRaises(obliq.InvalidValue):
                 await control.set(r_min_m=-1.0)
             await control.set_state(freeze=False)
+            control.send_pose(bearing_deg=20.0)
+            self.assertEqual((await self.radar.pose).bearing_deg, 20.0)
+            control.send_pose(bearing_deg=1e9)
+            await self.radar.info()
+            with self.assertRaises(obliq.InvalidValue):
+                control.send_pose(bearing_deg=30.0)
             await control.set_pose(bearing_deg=60.0)
         self.assertEqual((await self.radar.info()).controller, "")
 

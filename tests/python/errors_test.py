@@ -122,7 +122,7 @@ class Streams(unittest.TestCase):
             data[4] = 2
             peer.socket.sendall(data)
 
-        with fake(script) as server, self.assertRaisesRegex(obliq.BadStream, "found 2.1; allowed: 1.x"):
+        with fake(script) as server, self.assertRaisesRegex(obliq.BadStream, "found 2.2; allowed: 1.x"):
             connected(server)
 
     def test_the_server_goes_away(self):

@@ -36,7 +36,18 @@ def earth_centred(latitude, longitude, height):
                      (n * (1 - e2) + height) * np.sin(phi)])
 
 
-def entity_state(latitude, longitude, height, heading, pitch=0.0, speed=0.0, entity=(1, 2, 3), algorithm=2, exercise=7):
+FROZEN, DEACTIVATED = 1 << 21, 1 << 23  # of an entity's appearance: SISO-REF-010
+REMOVE, RESUME, STOP = 12, 13, 14  # IEEE 1278.1-2012, 7.5
+
+
+def order(kind, receiver=(1, 2, 3), exercise=7):
+    """A PDU of a simulation's manager, at its size."""
+    size = {REMOVE: 28, RESUME: 44, STOP: 40}[kind]
+    head = struct.pack(">BBBBIHBB", 7, exercise, kind, 5, 0, size, 0, 0) + struct.pack(">6H", 9, 9, 9, *receiver)
+    return head + bytes(size - len(head))
+
+
+def entity_state(latitude, longitude, height, heading, pitch=0.0, speed=0.0, entity=(1, 2, 3), algorithm=2, exercise=7, appearance=0):
     """An Entity State PDU of 144 bytes: IEEE 1278.1-2012, 7.2.2."""
     north, east, down = axes(latitude, longitude)
     h, p = np.radians(heading), np.radians(pitch)
@@ -44,7 +55,7 @@ def entity_state(latitude, longitude, height, heading, pitch=0.0, speed=0.0, ent
     psi, theta = np.arctan2(forward[1], forward[0]), -np.arcsin(forward[2])
     pdu = struct.pack(">BBBBIHBB", 7, exercise, 1, 1, 0, 144, 0, 0) + struct.pack(">HHHBB", *entity, 1, 0) + bytes(16)
     pdu += struct.pack(">3f", *(speed * forward)) + struct.pack(">3d", *earth_centred(latitude, longitude, height))
-    pdu += struct.pack(">3f", psi, theta, 0.0) + bytes(4) + struct.pack(">B", algorithm) + bytes(15) + bytes(24) + bytes(16)
+    pdu += struct.pack(">3f", psi, theta, 0.0) + struct.pack(">I", appearance) + struct.pack(">B", algorithm) + bytes(15) + bytes(24) + bytes(16)
     assert len(pdu) == 144
     return pdu
 
@@ -56,7 +67,7 @@ class Ride:
         self.process = subprocess.Popen([OBLIQ, "fly", "--server", support.shared_daemon(), "--radar", "main", "--udp", "0", *words],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         test.addCleanup(self.end)
-        self.port = int(re.search(r"listening on 127.0.0.1:(\d+)", self.process.stdout.readline()).group(1))
+        self.port = int(re.search(r"listening on [\d.]+:(\d+)", self.process.stdout.readline()).group(1))
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.server = obliq.connect(support.shared_daemon())
 
@@ -143,6 +154,84 @@ class Datagrams(unittest.TestCase):
         metres = np.radians(later.latitude_deg - first.latitude_deg) * 6.357e6
         seconds = (later.sim_time_ns - first.sim_time_ns) * 1e-9
         self.assertAlmostEqual(metres / seconds, 2000.0, delta=20.0)  # the meridian's radius differs by less than 1 %
+
+    def poses_later(self, ride, count=5):
+        """Its pose when so many more have been sent."""
+        first = ride.pose_where(lambda pose: True).pose_id
+        return ride.pose_where(lambda pose: pose.pose_id >= first + count)
+
+    def test_a_frozen_entity_stands_and_a_deactivated_one_has_left(self):
+        ride = Ride(self, "--dis", "1:2:3", "--rate", "50")
+        ride.send(entity_state(33.0, -99.5, 1500.0, 0.0, speed=2000.0))
+        ride.pose_where(lambda pose: pose.latitude_deg > 33.001)
+        ride.send(entity_state(33.2, -99.5, 1500.0, 0.0, speed=2000.0, appearance=FROZEN))
+        ride.pose_where(lambda pose: abs(pose.latitude_deg - 33.2) < 1e-9)
+        self.assertAlmostEqual(self.poses_later(ride).latitude_deg, 33.2, delta=1e-9)
+        ride.send(entity_state(33.3, -99.5, 1500.0, 0.0, speed=2000.0, appearance=DEACTIVATED))
+        ride.send(entity_state(33.4, -99.5, 1500.0, 0.0))
+        self.assertAlmostEqual(ride.pose_where(lambda pose: pose.latitude_deg > 33.25).latitude_deg, 33.4, delta=1e-9)
+        _, err = ride.end()
+        self.assertIn("1:2:3 is deactivated: the radar stays where it is", err)
+
+    def test_stop_freezes_the_radar_and_start_thaws_it(self):
+        ride = Ride(self, "--dis", "1:2:3", "--exercise", "7", "--rate", "50")
+        ride.send(entity_state(33.0, -99.5, 1500.0, 0.0, speed=2000.0))
+        ride.pose_where(lambda pose: pose.latitude_deg > 33.001)
+        frozen = lambda: ride.server.radar("main").info().frozen  # noqa: E731
+        for other in (order(STOP, (1, 2, 4)), order(STOP, (2, 65535, 65535)), order(STOP, exercise=8), order(STOP)[:39]):
+            ride.send(other)
+        self.poses_later(ride)
+        self.assertFalse(frozen())
+        for receiver in ((65535, 65535, 65535), (1, 2, 0)):
+            ride.send(order(STOP, receiver))
+            support.wait_until(frozen)
+            stood = ride.pose_where(lambda pose: True)
+            ride.send(order(RESUME, receiver))
+            support.wait_until(lambda: not frozen())
+            self.assertLess(self.poses_later(ride, 2).latitude_deg - stood.latitude_deg, 1.0)
+        ride.send(order(REMOVE))
+        ride.send(entity_state(34.0, -99.5, 1500.0, 0.0))
+        ride.pose_where(lambda pose: abs(pose.latitude_deg - 34.0) < 1e-9)
+        out, err = ride.end()
+        self.assertIn("1:2:3: stopped by its simulation's manager", err)
+        self.assertIn("1:2:3 was removed", err)
+        self.assertIn("1 datagrams that were none", out)
+
+    def test_a_radar_whose_settings_another_holds_stands_and_is_not_frozen(self):
+        ride = Ride(self, "--dis", "1:2:3", "--rate", "50")
+        with obliq.connect(support.shared_daemon()) as server, server.radar("main").control(claims="settings") as hand:
+            ride.send(entity_state(33.0, -99.5, 1500.0, 0.0, speed=2000.0))
+            ride.pose_where(lambda pose: pose.latitude_deg > 33.001)
+            hand.set(power_w=7.0)
+            hand.set_pose(tilt_deg=-6.0)
+            self.assertEqual(self.poses_later(ride).tilt_deg, -6.0)
+            ride.send(order(STOP))
+            ride.send(order(RESUME))
+            self.assertFalse(self.poses_later(ride) is None or server.radar("main").info().frozen)
+        _, err = ride.end()
+        self.assertIn("main is not frozen", err)
+        self.assertIn("settings are held by", err)
+
+    def test_the_port_is_shared_and_a_group_is_joined(self):
+        # The group's datagrams stay on the loopback.
+        words = ["--listen", "239.255.77.7", "--interface", "127.0.0.1", "--dis", "1:2:3"]
+        ride = Ride(self, *words, "--rate", "0")
+        other = subprocess.Popen([OBLIQ, "fly", "--server", support.shared_daemon(), "--radar", "scan", *words, "--udp", str(ride.port)],
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(other.communicate)
+        self.addCleanup(other.send_signal, signal.SIGINT)
+        self.assertIn("listening on 239.255.77.7", other.stdout.readline())
+        sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.addCleanup(sender.close)
+        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            sender.sendto(entity_state(33.05, -99.5, 1500.0, 15.0), ("239.255.77.7", ride.port))
+            poses = [ride.server.radar(name).pose for name in ("main", "scan")]
+            if all(abs(pose.latitude_deg - 33.05) < 1e-9 for pose in poses):
+                break
+            time.sleep(0.02)
+        self.assertEqual([round(pose.latitude_deg, 9) for pose in poses], [33.05, 33.05])
 
     def test_others_are_none_of_its_business(self):
         ride = Ride(self, "--dis", "1:2:3", "--exercise", "7", "--rate", "0")

@@ -103,6 +103,24 @@ class Whole(Folder):
         self.assertEqual(once.sha256(), live.sha256())
         self.assertNotEqual(once.sha256(), self.server.render(live.settings, live.pose.replace(bearing_deg=61)).sha256())
 
+    def test_a_frame_as_the_live_radar_is_names_only_what_differs(self):
+        whole = self.server.render(self.radar.settings.replace(azimuth_bins=8, sector_deg=12.0), self.radar.pose.replace(bearing_deg=33))
+        named = self.server.render({"azimuth_bins": 8, "sector_deg": 12.0}, {"bearing_deg": 33}, radar="main", as_live=True)
+        self.assertEqual(named.sha256(), whole.sha256())
+        self.assertEqual(named.settings, whole.settings)
+        several = self.server.render_many([{"bearing_deg": b} for b in (33, 34)], {"azimuth_bins": 8, "sector_deg": 12.0}, radar="main", as_live=True)
+        self.assertEqual([frame.pose.bearing_deg for frame in several], [33, 34])
+        with self.assertRaises(obliq.UnknownRadar):
+            self.server.render({}, {}, radar="nobody", as_live=True)
+
+    def test_planes_follow_the_bins_unless_columns_are_named(self):
+        base = self.radar.settings.replace(frustum="sweep", planes_per_bin=3)
+        self.assertIsNone(base.pixel_columns, "the server's to make")
+        self.assertEqual(self.server.render(base.replace(azimuth_bins=8), self.radar.pose, planes="state").settings.pixel_columns, 24)
+        fixed = self.server.render(base.replace(azimuth_bins=8, pixel_columns=40), self.radar.pose, planes="state").settings
+        self.assertEqual((fixed.pixel_columns, fixed.planes_per_bin), (40, 0))
+        self.assertIsNotNone(base.replace(frustum="oblique", pixel_columns=64).pixel_columns)
+
     def test_many_renders_come_in_their_order(self):
         pose, settings = self.radar.pose, self.radar.settings
         bearings = [7 * k for k in range(11)]

@@ -86,6 +86,24 @@ class Live(unittest.TestCase):
         self.assertEqual(self.radar.info().controller, "")
         self.assertEqual(self.radar.frame().pose.bearing_deg, 60.0)
 
+    def test_sent_poses_move_the_antenna_and_refusals_are_told(self):
+        before = self.radar.pose.replace(sim_time_ns=None, pose_id=None)
+        with self.radar.control() as control:
+            for bearing_deg in range(200):
+                control.send_pose(bearing_deg=float(bearing_deg))
+            self.assertEqual(self.radar.pose.bearing_deg, 199.0)  # an answer comes behind those of all that was sent
+            told = []
+            control.send_pose(bearing_deg=1e9, on_refused=told.append)
+            self.radar.info()
+            self.assertIsInstance(told[0], obliq.InvalidValue)
+            control.send_pose(height_m=1e9)
+            self.radar.info()
+            with self.assertRaises(obliq.InvalidValue) as caught:
+                control.send_pose(bearing_deg=5.0)
+            self.assertEqual([fault.argument for fault in caught.exception.faults], ["height_m"])
+            control.send_pose(before)
+            self.assertEqual(self.radar.pose.bearing_deg, before.bearing_deg)
+
     def test_control_is_released_after_an_exception(self):
         with self.assertRaises(KeyError):
             with self.radar.control():

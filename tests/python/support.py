@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -78,6 +79,15 @@ def shared_daemon():
         _shared.address = _shared.enter_context(daemon())
         atexit.register(_shared.close)
     return _shared.address
+
+
+def wait_until(holds, seconds=20):
+    """Until it holds, or the test fails."""
+    end = time.monotonic() + seconds
+    while not holds():
+        if time.monotonic() > end:
+            raise AssertionError(f"not within {seconds} s")
+        time.sleep(0.01)
 
 
 def run(*words, check=True):

@@ -8,7 +8,8 @@ import support
 from support import ROOT, Folder
 import numpy as np
 from obliq import BadStream, Pose, Settings, Window, _crc, _wire, obliq_pb2, places, planes, wire
-from obliq._session import Session, Subscription
+from obliq._asked import Subscription
+from obliq._session import Session
 
 PROTOCOL = (ROOT / "proto" / "PROTOCOL.md").read_text()
 
@@ -184,7 +185,7 @@ class Bytes(unittest.TestCase):
     def test_another_major_version_is_named(self):
         data = bytearray(example())
         data[4] = 2
-        with self.assertRaisesRegex(BadStream, "found 2.1; allowed: 1.x"):
+        with self.assertRaisesRegex(BadStream, "found 2.2; allowed: 1.x"):
             decoded(bytes(data))
 
 

@@ -114,6 +114,28 @@ TEST(PoseTimeLine, IsStaleOnceTheNewestsValidityIsOver) {
   EXPECT_FALSE(line.at(server(1e9)).stale) << "0: for ever";
 }
 
+TEST(PoseTimeLine, AnAntennaIsTurnedInAllPosesAtOnceAndItsPlatformGoesOn) {
+  PoseTimeLine line(pose(0, 33));
+  for (int i = 0; i < 3; ++i) {
+    PoseSettings p = pose(20 * i, 33 + 1e-5 * i, 350 + 10 * i);
+    p.heading_deg = 350 + 10 * i;
+    line.add(p, server(20 * i));
+  }
+  const PoseAt before = line.at(server(50));
+  PoseSettings as = line.newest();
+  as.bearing_deg = 100;
+  as.tilt_deg = -3;
+  line.aim(as);
+  const PoseAt after = line.at(server(50));
+  EXPECT_EQ(after.pose.latitude_deg, before.pose.latitude_deg);
+  EXPECT_EQ(after.pose.sim_time_ns, before.pose.sim_time_ns);
+  EXPECT_EQ(after.received_ns, before.received_ns);
+  EXPECT_EQ(after.pose.tilt_deg, -3);
+  // The newest pose looked along its heading of 370; the antenna looks 90 to the right of it from now on.
+  EXPECT_NEAR(std::remainder(after.pose.bearing_deg - before.pose.bearing_deg - 90, 360), 0, 1e-9);
+  EXPECT_EQ(line.at(server(1000)).pose.bearing_deg, 100);
+}
+
 TEST(PoseTimeLine, ExtremeTimesAreTaken) {
   PoseTimeLine line(pose(0, 33));
   PoseSettings p;

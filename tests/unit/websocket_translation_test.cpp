@@ -145,6 +145,11 @@ std::vector<Sample> samples(unsigned seed) {
   add(set_state, SetState());
   add(query_ground, QueryGround());
   add(ground_answer, GroundAnswer());
+  add(reset_exercise, ResetExercise());
+  add(get_exercise, GetExercise());
+  add(exercise_state, ExerciseState());
+  add(load_exercise, LoadExercise());
+  add(set_exercise, SetExercise());
   add(frame_begin, FrameBegin());
   add(wedge_block, WedgeBlock());
   add(frame_end, FrameEnd());

@@ -153,7 +153,7 @@ TEST(MessageHeader, LaysItsFieldsOutLittleEndianInTheDocumentedOrder) {
   encode_header(sample_header(), bytes);
   constexpr std::array<unsigned char, kHeaderBytes> kExpected = {
       'O',  'B',  'L',  'Q',                           // magic
-      1,    1,    49,   0,                             // major, minor, type
+      1,    2,    49,   0,                             // major, minor, type
       0x02, 0x01, 48,   0,                             // flags, header length
       0x01, 0x02, 0x03, 0x00, 0x04, 0x03, 0x02, 0x00,  // payload and descriptor length
       0xA4, 0xA3, 0xA2, 0xA1,                          // stream id

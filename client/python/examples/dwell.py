@@ -1,7 +1,7 @@
 """A host that commands the beam: every 1/60 s one dwell of 16 degrees, with the pose, tilt and noise of that moment. No live
 radar is touched; the same mission gives the same bits, whenever it is flown, here and by client/examples/dwell.cpp.
 
-  dwell.py HOST:PORT [RADAR] [DWELLS] [iq|video]      the radar's settings are taken, but for sector and scan
+  dwell.py HOST:PORT [RADAR] [DWELLS] [iq|video]      each is as the live radar is, but for sector and scan
 """
 import asyncio
 import statistics
@@ -20,7 +20,7 @@ async def main(address, radar=None, count="300", plane="iq"):
         whole, home = info.settings, info.pose
         # As many bins a degree as the whole sector has, in wedges of eight.
         bins = max(8, int(whole.azimuth_bins / whole.sector_deg * DWELL_DEG) // 8 * 8)
-        settings = whole.replace(azimuth_bins=bins, pixel_columns=2 * bins, sector_deg=DWELL_DEG, scan_mode="frame")
+        settings = obliq.Settings(azimuth_bins=bins, sector_deg=DWELL_DEG, scan_mode="frame")  # planes_per_bin stays the radar's
         left_deg = home.bearing_deg - whole.sector_deg / 2
         across = max(1, int(whole.sector_deg / DWELL_DEG))
         places = asyncio.Semaphore(server.info.limits.max_renders_queued)
@@ -31,7 +31,7 @@ async def main(address, radar=None, count="300", plane="iq"):
                                 bearing_deg=left_deg + DWELL_DEG * (0.5 + k % across),
                                 tilt_deg=home.tilt_deg - 0.5 * (k // across % 2))  # two bars
             try:
-                frame = await server.render(settings.replace(noise_frame=k), pose, planes=plane, radar=info.radar)
+                frame = await server.render(settings.replace(noise_frame=k), pose, planes=plane, radar=info.radar, as_live=True)
             finally:
                 places.release()
             return getattr(frame, plane), 1000 * (time.monotonic() - began)

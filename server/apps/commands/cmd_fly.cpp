@@ -34,10 +34,13 @@ struct FlyArguments {
   double speed = 1;
   double rate_hz = 0;
   DatagramSource datagrams;
+  int reconnect_s = 0;
 };
 
 // Between looks at signals, at the server's heartbeats and at a pipe.
 constexpr milliseconds kLook{50};
+// For the end of a connection that the server has announced.
+constexpr milliseconds kLongestLoss{5000};
 constexpr double kSlowest = 0.01;
 constexpr double kFastest = 1000;
 constexpr double kMostRate_hz = 1000;
@@ -59,7 +62,7 @@ TrackPoint on_the_way(const TrackPoint& a, const TrackPoint& b, double u) {
 /// One flight: what was sent so far, and when the rest is due.
 class Flight {
  public:
-  Flight(client::Client& client, std::string radar, const FlyArguments& arguments)
+  Flight(client::ResumingClient& client, std::string radar, const FlyArguments& arguments)
       : client_(client), radar_(std::move(radar)), arguments_(arguments) {}
 
   /// False when it was interrupted.
@@ -129,7 +132,7 @@ class Flight {
     pose.set_latitude_deg(point.latitude_deg);
     pose.set_longitude_deg(point.longitude_deg);
     pose.set_height_m(point.height_m);
-    pose.set_bearing_deg(point.bearing_deg);
+    set_heading(client_.client(), says_bearing_, point.bearing_deg, 0, pose);
     // The track's clock, but the server holds it against its own: it runs as the flight does.
     pose.set_sim_time_ns(std::llround((first_s_ + elapsed_s(point)) * kNanoseconds));
     pose.set_pose_id(sent_ + 1);
@@ -138,14 +141,19 @@ class Flight {
     if (arguments_.reference == "ellipsoid") pose.set_height_reference(wire::ELLIPSOID);
     late_s_ = std::max(late_s_, seconds_since(due(point)));
     wire::Ack ack;
-    if (const client::Status status = client_.set_pose(radar_, pose, ack); !status.ok())
-      throw InputError(where + ": " + status.sentence());
+    client::Status status = client_.client().set_pose(radar_, pose, ack);
+    says_bearing_ = is_lost(client_, status);
+    if (says_bearing_) {  // the pose of that moment is given up, the next one that is due comes
+      status = client_.receive(kLongestLoss);
+      if (status.outcome == client::Outcome::timed_out) status = {};
+    }
+    if (!status.ok()) throw InputError(where + ": " + status.sentence());
     warnings_.tell({ack.warnings().begin(), ack.warnings().end()}, where + ": ");
     ++sent_;
     last_ = point;
   }
 
-  client::Client& client_;
+  client::ResumingClient& client_;
   const std::string radar_;
   const FlyArguments& arguments_;
   Clock::time_point start_;
@@ -154,6 +162,7 @@ class Flight {
   TrackPoint last_;  ///< that was sent
   std::uint64_t sent_ = 0;
   double late_s_ = 0;
+  bool says_bearing_ = true;  ///< with the next pose
 };
 
 /// Mistakes of a file are told before anything moves.
@@ -172,14 +181,17 @@ void run(const FlyArguments& arguments) {
   heed_interrupts();
   if (arguments.datagrams.wanted()) {
     client::Client client = connect_to_server(arguments.server, "obliq fly");
-    return fly_by_datagrams(client, choose_remote_radar(client, arguments.server), arguments.datagrams,
-                            arguments.rate_hz, arguments.reference);
+    const std::string radar = choose_remote_radar(client, arguments.server);
+    return fly_by_datagrams(std::move(client), radar, arguments.datagrams, arguments.rate_hz,
+                            arguments.reference, arguments.reconnect_s);
   }
   TrackReader track(arguments.track);
   if (track.is_file()) read_through(track);
-  client::Client client = connect_to_server(arguments.server, "obliq fly");
-  const std::string radar = choose_remote_radar(client, arguments.server);
-  require(client.claim_control(radar));
+  client::ResumeOptions resume = reconnecting(arguments.reconnect_s);
+  resume.give_up = [] { return interrupted(); };
+  client::ResumingClient client(connect_to_server(arguments.server, "obliq fly"), resume);
+  const std::string radar = choose_remote_radar(client.client(), arguments.server);
+  require(client.claim(radar, wire::kPoseClaim));
   Flight flight(client, radar, arguments);
   TrackPoint point;
   bool flying = true;
@@ -189,17 +201,18 @@ void run(const FlyArguments& arguments) {
     flying = got == TrackReader::Got::point ? flight.fly_to(point, track.where()) : flight.wait_a_moment();
   }
   wire::RadarInfo info;
-  require(client.get_radar(radar, info));
-  require(client.release_control(radar));
+  require(client.client().get_radar(radar, info));
+  require(client.client().release_control(radar));
   if (flight.has_begun()) flight.print_summary(flying ? "flown" : "interrupted", info.pose());
 }
 
 }  // namespace
 
 void add_fly(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "fly",
-      "Fly a server's radar along a track; Ctrl-C ends it, the radar stays where it is and is released");
+  CLI::App* command = app.add_subcommand("fly",
+                                         "Fly a server's radar along a track, while others may turn its "
+                                         "knobs; Ctrl-C ends it, the radar stays where it "
+                                         "is and is released");
   auto arguments = std::make_shared<FlyArguments>();
   add_server_arguments(*command, arguments->server);
   command->add_option(
@@ -207,6 +220,7 @@ void add_fly(CLI::App& app) {
       "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, degrees "
       "(with or without a header; other columns are ignored), or - for the standard input");
   add_datagram_options(*command, arguments->datagrams);
+  add_reconnect_argument(*command, arguments->reconnect_s);
   command->add_option("--speed", arguments->speed, "Speed factor: 2 flies the track twice as fast")
       ->type_name("FACTOR")
       ->default_val(1.0)

@@ -52,7 +52,7 @@ wire::RenderOnce request_for(client::Client& client, const GetArguments& argumen
   apply_radar_flags(arguments.set, radar, {.why_not = why_not_of_one_frame});
   wire::RenderOnce request;
   request.set_radar(name);
-  write_message(radar.settings, *request.mutable_settings());
+  write_request(radar.settings, *request.mutable_settings());
   write_message(radar.pose, *request.mutable_pose());
   ask_for(arguments.stream, request);
   return request;

@@ -19,11 +19,18 @@ void add_parameters(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "Every key with unit, default and limits as a JSON array")
       ->excludes("--markdown", "--modbus");
-  command->callback([markdown, modbus, json] {
-    std::cout << (*json       ? parameters_json()
-                  : *modbus   ? modbus::registers_markdown()
-                  : *markdown ? parameters_markdown()
-                              : parameters_text());
+  auto preset = std::make_shared<std::string>();
+  command
+      ->add_option("--preset", *preset,
+                   "The keys of a whole radar, as radar.preset = \"NAME\" has them, with their sources")
+      ->type_name("NAME")
+      ->excludes("--markdown", "--modbus", "--json");
+  command->callback([markdown, modbus, json, preset] {
+    std::cout << (!preset->empty() ? preset_text(*preset)
+                  : *json          ? parameters_json()
+                  : *modbus        ? modbus::registers_markdown()
+                  : *markdown      ? parameters_markdown()
+                                   : parameters_text());
   });
 }
 

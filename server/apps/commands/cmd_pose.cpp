@@ -47,11 +47,11 @@ void run(const PoseArguments& arguments) {
     const auto errors = merge_message(info.pose(), config.pose);
     if (!errors.empty()) throw InputError("the server's radar: " + errors.front().text());
     apply_radar_flags(arguments.set, config);
-    ++config.pose.pose_id;
     wire::Pose pose;
-    write_message(config.pose, pose);
+    write_named(arguments.set, config.pose, pose);
+    if (!pose.has_pose_id()) pose.set_pose_id(config.pose.pose_id + 1);
     wire::Ack ack;
-    require(client.claim_control(radar));
+    require(client.claim(radar, wire::kPoseClaim));
     require(client.set_pose(radar, pose, ack));
     for (const std::string& warning : ack.warnings()) say_on_terminal({warning, true});
     require(client.get_radar(radar, info));

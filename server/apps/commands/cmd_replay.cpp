@@ -23,6 +23,7 @@
 #include "server/apps/replay/replay_renderer.h"
 #include "server/apps/version/version.h"
 #include "server/control/parameter_reference.h"
+#include "server/control/sections/server.h"
 #include "server/control/settings_message.h"
 #include "server/http/answering.h"
 #include "server/http/http_server.h"
@@ -182,6 +183,9 @@ std::unique_ptr<http::HttpServer> serve_browsers(const ReplayArguments& argument
   http::Readiness readiness;
   readiness.ready();
   routes.push_back({"/readyz", true, [state = readiness.state()] { return http::readiness_page(state); }});
+  const HttpConfig offered;
+  routes.push_back(http::page_state_route([state = readiness.state()] { return http::readiness_page(state); },
+                                          {offered.range_scales, offered.range_unit}));
   return std::make_unique<http::HttpServer>(
       io.context(), options, std::move(routes),
       websocket::upgrade(

@@ -1,5 +1,6 @@
 // `obliq set`: changes the settings of a live radar, or shows those in effect.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -39,14 +40,18 @@ std::optional<bool> is_on(const std::string& word) {
 /// Why a parameter is nothing that this command can set; empty: it can.
 std::string why_not_set(const Parameter& parameter) {
   const std::string name(parameter.key.name);
-  if (parameter.message == WireMessage::pose)
-    return "says where the radar stands; allowed: a setting; poses are set by `obliq pose --set " + name +
-           "=VALUE` and `obliq fly`";
+  if (parameter.message == WireMessage::pose && !parameter.meaning.aim)
+    return "says where the radar stands; allowed: a setting, antenna.bearing_deg, antenna.tilt_deg; poses "
+           "are set by `obliq pose --set " +
+           name + "=VALUE` and `obliq fly`";
   if (parameter.change == Change::restart)
     return "is read once, when obliqd starts; allowed: a live setting; change the scene file and restart "
            "obliqd";
   return {};
 }
+
+/// Whether KEY=VALUE is of the pose: where the antenna looks.
+bool names_aim(const std::string& flag) { return flag.starts_with("antenna."); }
 
 Shown look(client::Client& client, const std::string& radar) {
   Shown shown;
@@ -71,9 +76,9 @@ void print_notes(const wire::RadarInfo& info) {
 }
 
 void print_all(const Shown& shown) {
-  std::printf("# %s: settings %llu, controlled by %s\n", shown.config.name.c_str(),
+  std::printf("# %s: settings %llu, %s\n", shown.config.name.c_str(),
               static_cast<unsigned long long>(shown.info.settings_version()),
-              shown.info.controller().empty() ? "nobody" : shown.info.controller().c_str());
+              holders_text(shown.info.controller(), shown.info.settings_controller()).c_str());
   print_line("transmit", std::string("\"") + on_off(!shown.info.transmit_off()) + "\"", "");
   print_line("freeze", std::string("\"") + on_off(shown.info.frozen()) + "\"", "");
   for (const Parameter& parameter : parameters())
@@ -91,6 +96,7 @@ void print_json(const Shown& shown) {
   root["radar"] = shown.config.name;
   root["settings_version"] = shown.info.settings_version();
   root["controller"] = shown.info.controller();
+  root["settings_controller"] = shown.info.settings_controller();
   root["transmit"] = !shown.info.transmit_off();
   root["freeze"] = shown.info.frozen();
   root["fault"] = shown.info.fault();
@@ -100,7 +106,7 @@ void print_json(const Shown& shown) {
   std::printf("%s\n", root.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
-void print_changes(const Shown& before, const Shown& after) {
+void print_changes(const Shown& before, const Shown& after, const std::vector<std::string>& flags) {
   std::printf("# %s: settings %llu\n", after.config.name.c_str(),
               static_cast<unsigned long long>(after.info.settings_version()));
   bool changed = false;
@@ -112,7 +118,7 @@ void print_changes(const Shown& before, const Shown& after) {
   compare("transmit", on_off(!before.info.transmit_off()), on_off(!after.info.transmit_off()));
   compare("freeze", on_off(before.info.frozen()), on_off(after.info.frozen()));
   for (const Parameter& parameter : parameters())
-    if (parameter.message == WireMessage::radar_settings)
+    if (parameter.message == WireMessage::radar_settings || names_key(flags, parameter.key.name))
       compare(parameter.key.name, toml_text(value_of(parameter, before.config)),
               toml_text(value_of(parameter, after.config)));
   if (!changed) std::printf("# all of it was so already\n");
@@ -128,15 +134,21 @@ void run(const SetArguments& arguments) {
   const std::optional<bool> transmit = is_on(arguments.transmit);
   const std::optional<bool> freeze = is_on(arguments.freeze);
   const bool changes = !arguments.settings.empty() || transmit || freeze;
-  if (changes) require(client.claim_control(radar));
+  // Whoever flies the radar goes on.
+  if (changes) require(client.claim(radar, wire::kSettingsClaim));
   const Shown before = look(client, radar);
   if (!arguments.settings.empty()) {
     RadarConfig wanted = before.config;
     apply_radar_flags(arguments.settings, wanted, rules);
-    wire::RadarSettings settings;
-    write_message(wanted.settings, settings);
+    wire::Pose aim;
+    write_named(arguments.settings, wanted.pose, aim);
     wire::Ack ack;
-    require(client.set_settings(radar, settings, ack));
+    if (!std::ranges::all_of(arguments.settings, names_aim)) {
+      wire::RadarSettings settings;
+      write_request(wanted.settings, settings);
+      require(client.set_settings(radar, settings, ack));
+    }
+    if (aim.ByteSizeLong() > 0) require(client.set_pose(radar, aim, ack));
   }
   if (transmit || freeze) require(client.set_state(radar, transmit, freeze));
   if (changes) require(client.release_control(radar));
@@ -144,7 +156,7 @@ void run(const SetArguments& arguments) {
   if (arguments.json) {
     print_json(after);
   } else if (changes) {
-    print_changes(before, after);
+    print_changes(before, after, arguments.settings);
   } else {
     print_all(after);
   }
@@ -158,9 +170,11 @@ void add_set(CLI::App& app) {
   auto arguments = std::make_shared<SetArguments>();
   add_server_arguments(*command, arguments->server);
   command
-      ->add_option("SETTING", arguments->settings,
-                   "KEY=VALUE (repeatable), applied together or not at all, e.g. radar.r_max_m=20000 (`obliq "
-                   "parameters` lists them). None: the settings in effect are printed")
+      ->add_option(
+          "SETTING", arguments->settings,
+          "KEY=VALUE (repeatable), applied together or not at all, e.g. radar.r_max_m=20000 (`obliq "
+          "parameters` lists them); then antenna.tilt_deg and antenna.bearing_deg, which counts from "
+          "the heading while another client flies the radar. None: the settings in effect are printed")
       ->type_name("KEY=VALUE");
   const CLI::Validator on_or_off{
       [](std::string& found) {

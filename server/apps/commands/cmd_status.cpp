@@ -61,10 +61,9 @@ void print_server(const client::Client& client, const wire::Status& status) {
 }
 
 void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
-  std::printf("%s: settings %" PRIu64 ", controlled by %s, %u watching at %g Hz, %" PRIu64 " frames",
-              radar.radar().c_str(), radar.settings_version(),
-              radar.controller().empty() ? "nobody" : radar.controller().c_str(), radar.subscribers(),
-              radar.rate_hz(), radar.frames());
+  std::printf("%s: settings %" PRIu64 ", %s, %u watching at %g Hz, %" PRIu64 " frames", radar.radar().c_str(),
+              radar.settings_version(), holders_text(radar.controller(), radar.settings_controller()).c_str(),
+              radar.subscribers(), radar.rate_hz(), radar.frames());
   if (radar.frames() > 0) std::printf(", the last in %.1f ms", 1000 * radar.last_render_s());
   if (radar.frames_shed() > 0) std::printf(", %" PRIu64 " shed for lack of time", radar.frames_shed());
   if (radar.rate_limit_hz() > 0) std::printf(", at most %g Hz", radar.rate_limit_hz());

@@ -12,8 +12,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
+#include "proto/error_number.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
@@ -32,28 +35,54 @@ constexpr int kDisPort = 3000;  // IEEE 1278.2-2015, 5.6
 // An entity that sends no PDU for so long has gone: 2.4 heartbeats of 5 s, IEEE 1278.1-2012, 4.2.8.
 constexpr double kDisTimeout_s = 12;
 constexpr milliseconds kLook{10};
+// A datagram that is older than the newest by more has not been overtaken on its way: the clock was set back.
+constexpr std::int64_t kReordered_ns = 1'000'000'000;
 constexpr std::size_t kMostDatagram = 2048;  // longer ones are cut, and only what a PDU adds is lost
 
-UniqueFd bind_udp(const std::string& address, int port, int& bound_port) {
+in_addr address_of(const std::string& text, const char* option, const char* allowed) {
+  in_addr address{};
+  if (inet_pton(AF_INET, text.c_str(), &address) != 1)
+    throw InputError(fmt::format("{}: found \"{}\"; allowed: {}", option, text, allowed));
+  return address;
+}
+
+/// shared: other programs of this machine may listen there, too.
+UniqueFd bind_udp(const std::string& address, const std::string& interface, int port, bool shared,
+                  int& bound_port) {
   sockaddr_in at{};
   at.sin_family = AF_INET;
   at.sin_port = htons(static_cast<std::uint16_t>(port));
-  if (inet_pton(AF_INET, address.c_str(), &at.sin_addr) != 1)
-    throw InputError(
-        fmt::format("--listen: found \"{}\"; allowed: an IPv4 address of this machine", address));
+  at.sin_addr = address_of(address, "--listen", "an IPv4 address of this machine, or a multicast group");
+  const bool is_group = IN_MULTICAST(ntohl(at.sin_addr.s_addr));
+  if (!interface.empty() && !is_group)
+    throw InputError(fmt::format("--interface: found {} with --listen {}; allowed: with a multicast group",
+                                 interface, address));
   UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const int on = 1;
+  if (shared || is_group) (void)setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   socklen_t size = sizeof at;
   if (socket.get() < 0 || bind(socket.get(), reinterpret_cast<sockaddr*>(&at), size) != 0 ||
       getsockname(socket.get(), reinterpret_cast<sockaddr*>(&at), &size) != 0)
     throw InputError(fmt::format("{}:{}: cannot be listened to: {}", address, port, std::strerror(errno)));
   bound_port = ntohs(at.sin_port);
+  if (!is_group) return socket;
+  ip_mreq group{at.sin_addr, {INADDR_ANY}};
+  if (!interface.empty())
+    group.imr_interface = address_of(interface, "--interface", "an IPv4 address of this machine");
+  if (setsockopt(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) != 0)
+    throw InputError(
+        fmt::format("{}: the group cannot be joined{}: {}", address,
+                    interface.empty() ? "; --interface ADDRESS names the network" : " on " + interface,
+                    std::strerror(errno)));
   return socket;
 }
 
 /// What comes is sent on; what is no pose is counted and told.
 class Ride {
  public:
-  Ride(client::Client& client, std::string radar, const DatagramSource& source, double rate_hz,
+  void note_loss() { lost_ = true; }
+
+  Ride(client::ResumingClient& client, std::string radar, const DatagramSource& source, double rate_hz,
        const std::string& height_reference)
       : client_(client), radar_(std::move(radar)), source_(source), rate_hz_(rate_hz) {
     if (!source.entity.empty()) {
@@ -66,7 +95,8 @@ class Ride {
     if (height_reference == "ground") reference_ = wire::GROUND;
     if (height_reference == "ellipsoid" || entity_) reference_ = wire::ELLIPSOID;
     int port = 0;
-    socket_ = bind_udp(source.address, source.udp_port >= 0 ? source.udp_port : kDisPort, port);
+    socket_ = bind_udp(source.address, source.interface, source.udp_port >= 0 ? source.udp_port : kDisPort,
+                       entity_.has_value(), port);
     std::printf("%s: listening on %s:%d\n", radar_.c_str(), source.address.c_str(), port);
     std::fflush(stdout);
   }
@@ -74,9 +104,10 @@ class Ride {
   void run() {
     std::array<std::byte, kMostDatagram> bytes;
     while (!interrupted()) {
-      // Heartbeats are answered, and a takeover by an admin is heard.
+      // Heartbeats are answered, and a takeover by an admin is heard. A lost connection is taken up again.
       const client::Status status = client_.receive(milliseconds(0));
       if (status.outcome != client::Outcome::timed_out) require(status);
+      if (lost_) back_again();
       pollfd waiting{socket_.get(), POLLIN, 0};
       if (poll(&waiting, 1, static_cast<int>(kLook.count())) > 0) {
         for (ssize_t size; (size = recv(socket_.get(), bytes.data(), bytes.size(), 0)) >= 0;)
@@ -98,27 +129,77 @@ class Ride {
     if (!line.empty()) std::fprintf(stderr, "obliq: %s\n", line.c_str());
   }
 
+  /// The server may be another one, which knows nothing of before; what came meanwhile is old.
+  void back_again() {
+    lost_ = false;
+    says_bearing_ = true;
+    std::array<std::byte, kMostDatagram> old;
+    while (!entity_ && recv(socket_.get(), old.data(), old.size(), 0) >= 0) {
+    }
+  }
+
   void take(std::span<const std::byte> bytes) {
     if (!entity_) {
       const auto read = read_pose_datagram(bytes);
       if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
       const OwnshipPose& pose = std::get<OwnshipPose>(read);
-      return send(pose, pose.sim_time_ns, pose.pose_id);
+      const bool set_back = clock_ns_ && pose.sim_time_ns < *clock_ns_ - kReordered_ns;
+      clock_ns_ = pose.sim_time_ns;
+      return send(pose, pose.sim_time_ns, pose.pose_id, set_back);
     }
-    const auto read = read_entity_state(bytes);
+    const auto read = read_pdu(bytes);
     if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
+    if (const auto* order = std::get_if<SimulationOrder>(&read)) return obey(*order);
     const EntityState& state = std::get<EntityState>(read);
     if (!(state.id == *entity_) || (source_.exercise >= 0 && state.exercise != source_.exercise)) return;
+    if (!state.active) return leave("is deactivated");
+    has_left_ = false;
     newest_ = state;
     arrived_ = Clock::now();
     next_ = arrived_;
     silent_ = false;
   }
 
+  void obey(const SimulationOrder& order) {
+    if (!is_for(order.receiver, *entity_) || (source_.exercise >= 0 && order.exercise != source_.exercise))
+      return;
+    if (order.what == SimulationOrder::What::remove) return leave("was removed");
+    const bool stops = order.what == SimulationOrder::What::stop;
+    if (stops == stopped_since_.has_value()) return;
+    std::fprintf(stderr, "obliq: %s: %s\n", source_.entity.c_str(),
+                 stops ? "stopped by its simulation's manager" : "goes on");
+    if (stops) {
+      stopped_since_ = Clock::now();
+    } else {
+      arrived_ += Clock::now() - *std::exchange(stopped_since_, std::nullopt);
+    }
+    freeze(stops);
+  }
+
+  /// The radar as a whole, where no other client holds its settings.
+  void freeze(bool on) {
+    client::Client& client = client_.client();
+    client::Status status = client.claim(radar_, wire::kSettingsClaim);
+    if (status.ok()) {
+      status = client.set_state(radar_, std::nullopt, on);
+      (void)client.release(radar_, wire::kSettingsClaim);
+    }
+    if (!status.ok())
+      std::fprintf(stderr, "obliq: %s is not %s: %s\n", radar_.c_str(), on ? "frozen" : "thawed",
+                   status.sentence().c_str());
+  }
+
+  void leave(const char* how) {
+    newest_.reset();
+    if (std::exchange(has_left_, true)) return;
+    std::fprintf(stderr, "obliq: %s %s: the radar stays where it is until an Entity State of it comes\n",
+                 source_.entity.c_str(), how);
+  }
+
   /// Between PDUs the entity goes on as its dead reckoning says.
   void reckon() {
     const auto now = Clock::now();
-    if (!newest_ || now < next_ || silent_) return;
+    if (!newest_ || now < next_ || silent_ || stopped_since_) return;
     const double after_s = seconds_since(arrived_);
     if (after_s > kDisTimeout_s) {
       silent_ = true;
@@ -132,25 +213,30 @@ class Ride {
     next_ = rate_hz_ > 0 ? now + from_seconds(1 / rate_hz_) : Clock::time_point::max();
   }
 
-  void send(const OwnshipPose& ownship, std::int64_t sim_time_ns, std::uint64_t pose_id) {
+  void send(const OwnshipPose& ownship, std::int64_t sim_time_ns, std::uint64_t pose_id,
+            bool new_time_line = false) {
     wire::Pose pose;
     pose.set_latitude_deg(ownship.latitude_deg);
     pose.set_longitude_deg(ownship.longitude_deg);
     pose.set_height_m(ownship.height_m);
-    pose.set_bearing_deg(std::remainder(ownship.heading_deg + source_.look_deg, 360.0));
+    set_heading(client_.client(), says_bearing_, ownship.heading_deg, source_.look_deg, pose);
     pose.set_sim_time_ns(sim_time_ns);
     pose.set_pose_id(pose_id);
+    if (new_time_line) pose.set_new_time_line(true);
     if (reference_) pose.set_height_reference(*reference_);
     if (entity_) pose.set_geoid_undulation_m(source_.undulation_m);
     wire::Ack ack;
-    const client::Status status = client_.set_pose(radar_, pose, ack);
+    const client::Status status = client_.client().set_pose(radar_, pose, ack);
     if (status.outcome == client::Outcome::refused && status.number == 100)
       return refused_.add(status.sentence());
+    if (is_lost(client_, status)) return;  // run() takes it up again
     require(status);
+    says_bearing_ = false;
+    warnings_.tell({ack.warnings().begin(), ack.warnings().end()});
     ++sent_;
   }
 
-  client::Client& client_;
+  client::ResumingClient& client_;
   const std::string radar_;
   const DatagramSource& source_;
   const double rate_hz_;
@@ -161,11 +247,26 @@ class Ride {
   Clock::time_point arrived_, next_;
   const Clock::time_point start_ = Clock::now();
   bool silent_ = false;
+  bool has_left_ = false;                           ///< the exercise
+  std::optional<Clock::time_point> stopped_since_;  ///< by Stop/Freeze
+  bool says_bearing_ = true;                        ///< with the next pose
+  bool lost_ = false;                               ///< the connection, and it is back
+  std::optional<std::int64_t> clock_ns_;            ///< of the newest datagram
   std::uint64_t sent_ = 0;
   RefusedDatagrams refused_;
+  WarningChanges warnings_;
 };
 
 }  // namespace
+
+void set_heading(const client::Client& client, bool first, double heading_deg, double look_deg,
+                 wire::Pose& pose) {
+  // A server of version 1.1 knows no heading.
+  const bool knows_heading = client.welcome().minor() >= 2;
+  if (knows_heading) pose.set_heading_deg(heading_deg);
+  const double bearing_deg = look_deg == 0 ? heading_deg : std::remainder(heading_deg + look_deg, 360.0);
+  if (first || !knows_heading) pose.set_bearing_deg(bearing_deg);
+}
 
 void add_datagram_options(CLI::App& command, DatagramSource& source) {
   command
@@ -180,9 +281,18 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
                   "to port 3000 or --udp")
       ->type_name("SITE:APP:ENTITY");
   command
-      .add_option("--listen", source.address, "IPv4 address to listen on; 0.0.0.0: all, for other machines")
+      .add_option("--listen", source.address,
+                  "IPv4 address to listen on; 0.0.0.0: all, for other machines; 224.0.0.0 to "
+                  "239.255.255.255: a multicast "
+                  "group, which is joined")
       ->type_name("ADDRESS")
       ->default_val("127.0.0.1");
+  command
+      .add_option(
+          "--interface", source.interface,
+          "With a multicast group: the network, by this machine's IPv4 address in it; without: as its "
+          "routes say")
+      ->type_name("ADDRESS");
   command.add_option("--exercise", source.exercise, "Only PDUs of this exercise; without: of any")
       ->type_name("ID")
       ->check(CLI::Range(0, 255));
@@ -199,13 +309,29 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
       ->check(number_from(-120, 120));
 }
 
-void fly_by_datagrams(client::Client& client, const std::string& radar, const DatagramSource& source,
-                      double rate_hz, const std::string& height_reference) {
-  require(client.claim_control(radar));
+bool is_lost(const client::ResumingClient& client, const client::Status& status) {
+  if (status.outcome == client::Outcome::closed) return true;
+  const bool is_told = status.outcome == client::Outcome::refused &&
+                       status.number == static_cast<std::uint32_t>(wire::ErrorNumber::server_stopping);
+  return is_told || (!status.ok() && !client.client().is_open());
+}
+
+void fly_by_datagrams(client::Client connected, const std::string& radar, const DatagramSource& source,
+                      double rate_hz, const std::string& height_reference, int reconnect_s) {
+  Ride* riding = nullptr;
+  client::ResumeOptions resume = reconnecting(reconnect_s);
+  resume.give_up = [] { return interrupted(); };
+  resume.on_resumed = [&riding, said = resume.on_resumed](std::chrono::duration<double> after) {
+    said(after);
+    if (riding != nullptr) riding->note_loss();
+  };
+  client::ResumingClient client(std::move(connected), resume);
+  require(client.claim(radar, wire::kPoseClaim));
   Ride ride(client, radar, source, rate_hz, height_reference);
+  riding = &ride;
   ride.run();
   ride.print_summary();
-  require(client.release_control(radar));
+  require(client.client().release_control(radar));
 }
 
 }  // namespace obliq

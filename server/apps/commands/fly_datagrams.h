@@ -3,7 +3,7 @@
 // the datagrams.
 #include <string>
 
-#include "client/client.h"
+#include "client/resuming_client.h"
 #include "server/apps/ownship/ownship.h"
 
 namespace CLI {
@@ -15,7 +15,8 @@ namespace obliq {
 struct DatagramSource {
   int udp_port = -1;        ///< of poses, or with `entity` of PDUs; -1: none
   std::string entity;       ///< SITE:APP:ENTITY; empty: poses
-  std::string address;      ///< to bind to
+  std::string address;      ///< to bind to; a multicast group is joined
+  std::string interface;    ///< on which; empty: as the routes say
   int exercise = -1;        ///< of DIS; -1: any
   double look_deg = 0;      ///< of the sector's centre, from the nose
   double undulation_m = 0;  ///< of the geoid, for heights of DIS
@@ -24,8 +25,16 @@ struct DatagramSource {
 
 void add_datagram_options(CLI::App& command, DatagramSource& source);
 
+/// Says where the nose points; the sector's centre is `look_deg` from it at first, and then where its
+/// operator turns it.
+void set_heading(const client::Client& client, bool first, double heading_deg, double look_deg,
+                 wire::Pose& pose);
+
 /// Until interrupted. rate_hz: of poses between an entity's PDUs. Throws InputError.
-void fly_by_datagrams(client::Client& client, const std::string& radar, const DatagramSource& source,
-                      double rate_hz, const std::string& height_reference);
+void fly_by_datagrams(client::Client connected, const std::string& radar, const DatagramSource& source,
+                      double rate_hz, const std::string& height_reference, int reconnect_s);
+
+/// Whether a request failed because the connection is lost: then receive() takes it up again.
+bool is_lost(const client::ResumingClient& client, const client::Status& status);
 
 }  // namespace obliq

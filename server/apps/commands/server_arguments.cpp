@@ -1,6 +1,7 @@
 #include "server/apps/commands/server_arguments.h"
 
 #include <fmt/core.h>
+#include <google/protobuf/descriptor.h>
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@
 #include "server/control/config_tree.h"
 #include "server/control/key_list.h"
 #include "server/control/parameters.h"
+#include "server/control/planes_per_bin.h"
 #include "server/control/quality_presets.h"
 #include "server/control/settings_message.h"
 #include "server/loading/scene_loading.h"
@@ -56,7 +58,7 @@ std::string why_no_parameter(const std::string& name) {
     const bool of_radar = key.group == KeyGroup::radar || key.group == KeyGroup::short_form;
     (of_radar ? names : of_scene).push_back(key.name);
   }
-  if (name == "beam.file" || name == "scan.bars")
+  if (name == "beam.file" || name == "scan.bars" || name == "radar.preset")
     return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
     return std::string(
@@ -186,8 +188,36 @@ RadarConfig config_of(const wire::RadarInfo& info) {
   return config;
 }
 
+std::string holders_text(const std::string& of_pose, const std::string& of_settings) {
+  const auto name = [](const std::string& holder) { return holder.empty() ? "nobody" : holder; };
+  if (of_pose == of_settings) return "controlled by " + name(of_pose);
+  return "pose held by " + name(of_pose) + ", settings by " + name(of_settings);
+}
+
+bool names_key(const std::vector<std::string>& flags, std::string_view key) {
+  return std::ranges::any_of(
+      flags, [&](const std::string& flag) { return flag.starts_with(std::string(key) + "="); });
+}
+
+void write_named(const std::vector<std::string>& flags, const PoseSettings& pose, wire::Pose& message) {
+  wire::Pose all;
+  write_message(pose, all);
+  const google::protobuf::Reflection& reflection = *all.GetReflection();
+  for (const Parameter& parameter : parameters()) {
+    if (parameter.message != WireMessage::pose || names_key(flags, parameter.key.name)) continue;
+    reflection.ClearField(&all, all.GetDescriptor()->FindFieldByName(std::string(parameter.wire_field)));
+  }
+  // A number ends "auto" by itself; "auto" is no number.
+  if (all.has_tilt_deg() && pose.tilt_auto) {
+    all.clear_tilt_deg();
+    all.set_tilt_auto(true);
+  }
+  message = all;
+}
+
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {
   Complaints complaints;
+  const bool follows = radar.pose.heading_deg == radar.pose.bearing_deg;
   std::vector<std::string> ordered = flags;
   std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
     return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
@@ -195,6 +225,8 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
   // What gives the pixels that no flag names, once all bins are known.
   const QualityPreset* of_columns = nullptr;
   const QualityPreset* of_rows = nullptr;
+  const QualityPreset* of_planes = nullptr;
+  bool columns_named = false;
   for (const std::string& flag : ordered) {
     const std::size_t equals = flag.find('=');
     if (equals == std::string::npos || equals == 0) {
@@ -206,7 +238,11 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
     const ConfigNode node =
         parse_config_value(std::string_view(flag).substr(equals + 1), rules.where + " " + name);
     const auto set = [&](const std::string& key, const ConfigNode& value) {
-      if (key == "frustum.pixel_columns") of_columns = nullptr;
+      if (key == "frustum.pixel_columns") {
+        of_columns = nullptr;
+        columns_named = true;
+      }
+      if (key == "frustum.planes_per_bin") of_planes = nullptr;
       if (key == "frustum.pixel_rows") of_rows = nullptr;
       set_parameter(key, value, rules, radar, complaints);
     };
@@ -247,13 +283,17 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       set("frustum.kind", value);
       value.value = std::string(preset->plates);
       set("frustum.plates", value);
-      of_columns = of_rows = preset;
+      of_columns = of_rows = of_planes = preset;
     } else {
       set(name, node);
     }
   }
+  // As in a scene file: a heading that is not named is the bearing.
+  if (follows && !names_key(flags, "antenna.heading_deg")) radar.pose.heading_deg = radar.pose.bearing_deg;
   RadarSettings& settings = radar.settings;
   if (of_columns != nullptr) settings.pixel_columns = of_columns->columns_for(settings.azimuth_bins);
+  if (of_planes != nullptr) settings.planes_per_bin = of_planes->planes_for(settings.azimuth_bins);
+  settle_planes(settings, columns_named);
   if (of_rows != nullptr) settings.pixel_rows = of_rows->rows_for(settings.range_bins);
   complaints.throw_if_any();
 }

@@ -1,6 +1,7 @@
 #pragma once
 // What the commands that talk to a server share.
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/client.h"
@@ -50,5 +51,14 @@ struct FlagRules {
 /// has the last word anyway. Throws InputError.
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar,
                        const FlagRules& rules = {});
+
+/// Whether one of KEY=VALUE has that key.
+bool names_key(const std::vector<std::string>& flags, std::string_view key);
+
+/// Of a pose that flags have been applied to, the fields that they name; an angle that is "auto" as its flag.
+void write_named(const std::vector<std::string>& flags, const PoseSettings& pose, wire::Pose& message);
+
+/// "controlled by X", or "pose held by X, settings by nobody".
+std::string holders_text(const std::string& of_pose, const std::string& of_settings);
 
 }  // namespace obliq

@@ -200,6 +200,8 @@ void Daemon::open_http() {
   std::vector<http::Route> routes = http::page_routes(parameters_json());
   routes.push_back({"/healthz", true, http::health_page});
   routes.push_back({"/readyz", true, [this] { return http::readiness_page(readiness_.state()); }});
+  routes.push_back(http::page_state_route([this] { return http::readiness_page(readiness_.state()); },
+                                          {config_.http.range_scales, config_.http.range_unit}));
   routes.push_back({"/metrics", false, metrics});
   http_ =
       std::make_unique<http::HttpServer>(io_.context(), options, std::move(routes),

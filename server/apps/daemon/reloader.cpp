@@ -184,9 +184,13 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
   for (std::size_t i = 0; i < wanted.radars.size(); ++i) {
     const auto known = std::ranges::find(radars, wanted.radars[i].name, &RadarConfig::name);
     if (known == radars.end()) continue;  // needs a restart, which was said
+    server_->panel().set_initial(known->name, to_build.radars[i]);
     net::PanelChange change;
     std::string text;
+    const RadarSettings& of_file_now = wanted.radars[i].settings;
+    const bool by_planes = of_file_now.frustum == FrustumKind::sweep && of_file_now.planes_per_bin > 0;
     for (const Parameter& parameter : parameters()) {
+      if (by_planes && parameter.key.name == "frustum.pixel_columns") continue;  // they follow
       if (value_of(parameter, *known) == value_of(parameter, wanted.radars[i])) continue;
       change.settings.push_back({&parameter, value_of(parameter, to_build.radars[i])});
       text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +
@@ -202,10 +206,8 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
       spdlog::info("radar {}: {}", known->name, text);
       *known = wanted.radars[i];
     } else if (answer.verdict == net::PanelVerdict::controlled) {
-      spdlog::warn(
-          "radar {}: is controlled by {}; it keeps its settings and takes \"{}\" at a SIGHUP while no client "
-          "controls it",
-          known->name, answer.controller, text);
+      spdlog::warn("radar {}: {}; it keeps its own and takes \"{}\" at a SIGHUP while no client holds them",
+                   known->name, answer.held, text);
     } else {
       spdlog::error("radar {}: not applied: {}: {}; fix it and send SIGHUP again", known->name, text,
                     all_text(answer.errors));

@@ -126,7 +126,7 @@ std::variant<EntityState, NoPose> read_entity_state(std::span<const std::byte> b
   if (bytes.size() < kEntityStateBytes)
     return NoPose{fmt::format("found {} bytes; allowed: {} or more", bytes.size(), kEntityStateBytes)};
   if (const auto type = big<std::uint8_t>(bytes, 2); type != kEntityState)
-    return NoPose{fmt::format("PDU type: found {}; allowed: 1, Entity State", type)};
+    return NoPose{fmt::format("PDU type: found {}; allowed: 1, Entity State, or 12 to 14", type)};
   if (const auto length = big<std::uint16_t>(bytes, 8); length < kEntityStateBytes || length > bytes.size())
     return NoPose{
         fmt::format("length: found {}; allowed: {} to {}", length, kEntityStateBytes, bytes.size())};
@@ -138,6 +138,11 @@ std::variant<EntityState, NoPose> read_entity_state(std::span<const std::byte> b
   const double psi = big<float>(bytes, 72);
   const double theta = big<float>(bytes, 76);
   state.dead_reckoning = big<std::uint8_t>(bytes, 88);
+  // Appearance of platforms, and of all other kinds that move: SISO-REF-010, bit 21 frozen, bit 23
+  // deactivated.
+  const auto appearance = big<std::uint32_t>(bytes, 84);
+  state.frozen = (appearance >> 21 & 1) != 0;
+  state.active = (appearance >> 23 & 1) == 0;
   state.acceleration_m_s2 = three_floats(bytes, 104);
   if (!(size_of(state.location_m) <= kMostRadius_m) || !(size_of(state.location_m) > 0))
     return NoPose{"location: found a point that is no place near the earth"};
@@ -152,10 +157,50 @@ std::variant<EntityState, NoPose> read_entity_state(std::span<const std::byte> b
   return state;
 }
 
+namespace {
+
+/// Of an order, how long its PDU is: IEEE 1278.1-2012, tables of 7.5.
+struct OrderType {
+  std::uint8_t type;
+  SimulationOrder::What what;
+  std::size_t bytes;
+};
+constexpr OrderType kOrders[] = {{12, SimulationOrder::What::remove, 28},
+                                 {13, SimulationOrder::What::go_on, 44},
+                                 {14, SimulationOrder::What::stop, 40}};
+
+}  // namespace
+
+std::variant<EntityState, SimulationOrder, NoPose> read_pdu(std::span<const std::byte> bytes) {
+  constexpr std::size_t kHeaderBytes = 12;
+  const int type = bytes.size() < kHeaderBytes ? -1 : big<std::uint8_t>(bytes, 2);
+  for (const OrderType& order : kOrders) {
+    if (type != order.type) continue;
+    const auto length = big<std::uint16_t>(bytes, 8);
+    if (bytes.size() < order.bytes || (length != 0 && length != order.bytes))
+      return NoPose{fmt::format("PDU of type {}: found {} bytes and length {}; allowed: {}", type,
+                                bytes.size(), length, order.bytes)};
+    return SimulationOrder{
+        order.what,
+        big<std::uint8_t>(bytes, 1),
+        {big<std::uint16_t>(bytes, 18), big<std::uint16_t>(bytes, 20), big<std::uint16_t>(bytes, 22)}};
+  }
+  auto state = read_entity_state(bytes);
+  if (auto* none = std::get_if<NoPose>(&state)) return std::move(*none);
+  return std::get<EntityState>(state);
+}
+
+bool is_for(const EntityId& receiver, const EntityId& entity) {
+  constexpr std::uint16_t kAll = 0xFFFF;
+  const auto fits = [](std::uint16_t asked, std::uint16_t own) { return asked == own || asked == kAll; };
+  return fits(receiver.site, entity.site) && fits(receiver.application, entity.application) &&
+         (fits(receiver.entity, entity.entity) || receiver.entity == 0);
+}
+
 OwnshipPose dead_reckoned(const EntityState& state, double after_s) {
   // IEEE 1278.1-2012, annex E.8, table E.1. FPW, RPW: velocity; RVW, FVW: acceleration, too; all in world
   // axes.
-  const int algorithm = state.dead_reckoning;
+  const int algorithm = state.frozen ? 1 : state.dead_reckoning;  // 1: static
   const double velocity = algorithm >= 2 && algorithm <= 5 ? after_s : 0;
   const double acceleration = algorithm == 4 || algorithm == 5 ? 0.5 * after_s * after_s : 0;
   std::array<double, 3> location_m{};

@@ -51,14 +51,30 @@ struct EntityState {
   std::array<double, 3> acceleration_m_s2{};
   double heading_deg = 0;
   std::uint8_t dead_reckoning = 1;  ///< algorithm, 0 to 9
+  bool frozen = false;              ///< by its simulation: it stands
+  bool active = true;               ///< else it has left the exercise
 };
 
 /// Entity State PDUs of 144 bytes and more (articulation follows); NoPose for others.
 std::variant<EntityState, NoPose> read_entity_state(std::span<const std::byte> bytes);
 
-/// Where the entity is so long after the PDU, by its dead reckoning: 2 and 3 go straight on, 4 and 5 with the
-/// acceleration, too; all others stand (6 to 9 have their velocity in body axes, which is not followed). The
-/// heading stays.
+/// What a simulation manager asks of an entity: IEEE 1278.1-2012, 7.5.3 to 7.5.5.
+struct SimulationOrder {
+  enum class What { remove, go_on, stop } what = What::stop;
+  std::uint8_t exercise = 0;
+  EntityId receiver;
+};
+
+/// An Entity State or one of those orders, by the PDU's type; NoPose for others.
+std::variant<EntityState, SimulationOrder, NoPose> read_pdu(std::span<const std::byte> bytes);
+
+/// Whether an order is for this entity: each part of the receiver is its own, or stands for all, or, of the
+/// entity, for none in particular (6.2.28: 65535, 0).
+bool is_for(const EntityId& receiver, const EntityId& entity);
+
+/// Where the entity is so long after the PDU, by its dead reckoning; a frozen one stands. Algorithms 2 and 3
+/// go straight on, 4 and 5 with the acceleration, too; all others stand (6 to 9 have their velocity in body
+/// axes, which is not followed). The heading stays.
 OwnshipPose dead_reckoned(const EntityState& state, double after_s);
 
 }  // namespace obliq

@@ -4,7 +4,9 @@
 #include <map>
 
 #include "server/control/parameters.h"
+#include "server/control/planes_per_bin.h"
 #include "server/control/quality_presets.h"
+#include "server/control/radar_presets.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 #include "server/radar/beam/pattern_cuts.h"
@@ -20,9 +22,13 @@ constexpr std::size_t kMostBars = 16;
 
 const std::array kShortForms{
     special<RadarConfig>(
-        "frustum.quality", "", quality_choices(), "",
-        "Sets kind, plates, pixel_columns and pixel_rows; the default where [frustum] is empty.", nullptr,
-        nullptr, "\"standard\"", Change::live),
+        "radar.preset", "", radar_preset_choices(), "",
+        "A whole radar: what the scene's own keys do not name. `obliq parameters --preset NAME` prints it.",
+        nullptr, nullptr, "\"\"", Change::reload),
+    special<RadarConfig>("frustum.quality", "", quality_choices(), "",
+                         "Sets kind, plates, planes_per_bin or pixel_columns, and pixel_rows; the default "
+                         "where [frustum] is empty.",
+                         nullptr, nullptr, "\"standard\"", Change::live),
     special<RadarConfig>("frustum.pixels", "", closed(1, 16384),
                          "[columns, rows], or one integer; not beside pixel_columns and pixel_rows;",
                          "Sets pixel_columns and pixel_rows.", nullptr, nullptr, "2048", Change::live),
@@ -120,7 +126,10 @@ void read_name(SectionReader& reader, std::string& name) {
 
 /// Gives a radar without a named frustum that of kDefaultQuality.
 FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
-  const auto empty = [](const ConfigNode& frustum) { return frustum.items.empty(); };
+  // Planes in each bin are the sweep's.
+  const auto empty = [](const ConfigNode& frustum) {
+    return std::ranges::all_of(frustum.items, [](const ConfigNode& n) { return n.key == "planes_per_bin"; });
+  };
   const auto names_kind = [](const ConfigNode& f) {
     return f.find("kind") != nullptr || f.find("quality") != nullptr;
   };
@@ -130,7 +139,7 @@ FrustumChoice choose_frustum(std::vector<ConfigNode>& frusta) {
   quality.kind = Kind::value;
   quality.where = "default";
   quality.value = std::string(kDefaultQuality);
-  frusta = {nest("quality", quality)};
+  frusta.insert(frusta.begin(), nest("quality", quality));
   return FrustumChoice::nothing;
 }
 
@@ -143,13 +152,32 @@ void note_choice(SceneConfig& config, const std::vector<std::string>& radars, co
   config.notes.push_back(of_radars + (of_radars.empty() ? "" : ": ") + text);
 }
 
+/// The tree of the preset that a radar names; without keys if it names none.
+ConfigNode read_preset(SectionReader& own) {
+  const ConfigNode* node = own.take("preset");
+  if (node == nullptr) return {};
+  const auto* name = std::get_if<std::string>(&node->value);
+  const RadarPreset* preset = name != nullptr ? find_radar_preset(*name) : nullptr;
+  if (preset != nullptr) return preset_tree(*preset);
+  own.complain(*node, "preset", choices_text(radar_preset_choices()));
+  return {};
+}
+
 RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   RadarReading radar;
   SectionReader own(table, "radar", scene.complaints);
   read_name(own, radar.config.name);
+  const ConfigNode preset = read_preset(own);
+  SectionReader given(preset, "", scene.complaints);
+  if (const ConfigNode* of_radar = given.take("radar")) {
+    SectionReader reader(*of_radar, "radar", scene.complaints);
+    read_parameters(reader, "radar", radar);
+    reader.finish();
+  }
   read_parameters(own, "radar", radar);
   std::vector<ConfigNode> frusta;
-  for (SectionReader* holder : {&scene.top, &own}) {  // what a radar names itself beats what all share
+  // What a radar names itself beats what all share, and that beats its preset.
+  for (SectionReader* holder : {&given, &scene.top, &own}) {
     for (const std::string_view name : kRadarTables) {
       const ConfigNode* found = table_in(*holder, name);
       if (found == nullptr) continue;
@@ -166,10 +194,14 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   // A number without a word on floor_auto is meant.
   if (radar.set_at.contains("video.floor_db") && !radar.set_at.contains("video.floor_auto"))
     radar.config.settings.video.floor_auto = false;
+  if (!radar.set_at.contains("antenna.heading_deg"))
+    radar.config.pose.heading_deg = radar.config.pose.bearing_deg;
+  given.finish();
   own.finish();
   radar.choice = choose_frustum(frusta);
   for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);
 
+  settle_planes(radar.config.settings, false);
   radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
   std::vector<FieldError> errors = validate(radar.config);
   for (FieldError& error : flat_plate_faults(radar.config.settings, scene.config.materials))
@@ -200,9 +232,11 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
     text +=
         printed_line("quality", "\"oblique\"", "Finds pixel_columns and pixel_rows when the scene is loaded.",
                      choices_text(quality_choices()), Change::reload);
+  const bool by_planes = radar.settings.frustum == FrustumKind::sweep && radar.settings.planes_per_bin > 0;
   for (const Parameter& p : parameters()) {
     const auto name = name_in(table, p.key.name);
-    if (!name.empty() && !(radar.finds_pixels && name.starts_with("pixel_")))
+    const bool follows = by_planes && name == "pixel_columns";  // beside planes_per_bin it would decide
+    if (!name.empty() && !follows && !(radar.finds_pixels && name.starts_with("pixel_")))
       text += printed_line(name, toml_text(load(p.key, p.slot(radar))), p.key.summary,
                            allowed_text(p.key, p.slot(radar)), p.change);
   }

@@ -48,7 +48,16 @@ const std::array kParameters{
         {.of_programs = true}),
     row<&PoseSettings::bearing_deg>(
         "antenna.bearing_deg", "deg", closed(-360, 360), "bearing_deg", {210, i32, 1e6},
-        "Centre of the sector, clockwise from true north at the antenna.", {.knob = "bearing"}),
+        "Centre of the sector, clockwise from true north at the antenna.", {.knob = "bearing", .aim = true}),
+    row<&PoseSettings::heading_deg>(
+        "antenna.heading_deg", "deg", closed(-360, 360), "heading_deg", {},
+        "Heading of the platform that carries the antenna, true; a scene file that names none gets the "
+        "bearing.",
+        {.of_programs = true}),
+    row<&PoseSettings::time_rate>(
+        "antenna.time_rate", "", closed(0.001, 1000), "time_rate", {},
+        "Seconds of the controller's clock in a second: 10 where an exercise runs ten times as fast.",
+        {.of_programs = true}),
     row<&PoseSettings::sim_time_ns>(
         "antenna.sim_time_ns", "ns", closed(-4e18, 4e18), "sim_time_ns", {212, i64},
         "Time of the pose by the controller's clock; the server interpolates between poses that have one.",
@@ -64,11 +73,11 @@ const std::array kParameters{
         "antenna.tilt_deg", "deg", closed(-90, 90), "tilt_deg", {222, i32, 1e3},
         "Elevation of the boresight, up positive; of patterns in elevation. \"auto\" "
         "in a scene file is antenna.tilt_auto.",
-        {.knob = "tilt"}),
+        {.knob = "tilt", .aim = true}),
     row<&PoseSettings::tilt_auto>(
         "antenna.tilt_auto", "", kAny, "tilt_auto", {224, u16},
         "Tilt towards level ground in the middle of the swath instead of by antenna.tilt_deg.",
-        {.knob = "tilt auto"}),
+        {.knob = "tilt auto", .aim = true}),
     row<&RadarSettings::frequency_ghz>("radar.frequency_ghz", "GHz", closed(0.03, 300), "frequency_ghz",
                                        {232, wavelength}, "Carrier frequency."),
     row<&RadarSettings::sector_deg>(
@@ -97,8 +106,7 @@ const std::array kParameters{
         "frustum.kind", "", kFrustumKinds, "frustum", {250, u16},
         "How the ground is sampled: rays through the pixels of a camera, or vertical planes without "
         "rays. A scene file whose [frustum] is empty gets \"sweep\" (frustum.quality = "
-        "\"standard\").",
-        {.knob = "frustum"}),
+        "\"standard\")."),
     row<&RadarSettings::plates>(
         "frustum.plates", "", kPlateKinds, "plates", {251, u16},
         "Spread a pixel's power over all range bins that it covers, or put it into the bin of its "
@@ -110,6 +118,10 @@ const std::array kParameters{
     row<&RadarSettings::pixel_rows>(
         "frustum.pixel_rows", "", closed(1, 16384), "pixel_rows", {253, u16},
         "Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both."),
+    row<&RadarSettings::planes_per_bin>(
+        "frustum.planes_per_bin", "", closed(0, 1024), "planes_per_bin", {320, u16},
+        "Planes in each azimuth bin, of the sweep, where frustum.pixel_columns is not named beside it; 0: as "
+        "frustum.quality says. Planes follow the bins, so that a narrower sector of fewer bins costs less."),
     row<&RadarSettings::sub_columns>("frustum.sub_columns", "", closed(0, 1024), "sub_columns", {260, u16},
                                      "Parts of an azimuth bin that see its buildings, of the sweep; 16 or "
                                      "more, a power of two or the next "

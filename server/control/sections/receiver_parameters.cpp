@@ -35,13 +35,13 @@ const std::array kParameters{
     row<&RadarSettings::receiver, &ReceiverSettings::stc_range_m>(
         "receiver.stc_range_m", "m", closed(0, 500e3), "stc_range_m", {285, i32, 1e3},
         "Sensitivity time control lowers the gain up to this slant range; 0: none.",
-        {.knob = "STC range", .not_ideal = true}),
+        {.knob = "sea (STC)", .not_ideal = true}),
     row<&RadarSettings::receiver, &ReceiverSettings::stc_power>(
         "receiver.stc_power", "", closed(0, 12), "stc_power", {287, u16, 1e2},
         "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
     row<&RadarSettings::receiver, &ReceiverSettings::stc_db>(
         "receiver.stc_db", "dB", closed(0, 200), "stc_db", {288, i32, 1e3},
-        "It lowers the gain by at most this.", {.knob = "STC depth"}),
+        "It lowers the gain by at most this.", {.knob = "sea depth"}),
     row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>(
         "receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
         "Bits of the converter, of I and of Q, 2 or more; 0: none.", {.not_ideal = true}),
@@ -61,10 +61,16 @@ const std::array kParameters{
     row<&RadarSettings::video, &VideoSettings::span_db>("video.span_db", "dB", closed(1, 400),
                                                         "video_span_db", {296, u16, 1e2},
                                                         "From there to the video's highest level."),
+    row<&RadarSettings::video, &VideoSettings::ftc_us>(
+        "video.ftc_us", "us", closed(0, 1000), "ftc_us", {321, i32, 1e3},
+        "Fast time constant: the video is what a bin has above its mean over this time of range, so that "
+        "rain goes "
+        "and edges stay; 0: none.",
+        {.knob = "rain (FTC)"}),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_mm_h>(
         "atmosphere.rain_mm_h", "mm/h", closed(0, 200), "rain_mm_h", {297, i32, 1e3},
         "Rain everywhere up to rain_top_m: attenuation and an echo of its own.",
-        {.knob = "rain", .not_ideal = true}),
+        {.knob = "rainfall", .not_ideal = true}),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::rain_top_m>(
         "atmosphere.rain_top_m", "m", closed(-1000, 20000), "rain_top_m", {},
         "Height of the rain's top above the datum."),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <utility>
 
 #include "server/control/sections/log.h"
@@ -139,7 +140,40 @@ std::string printed_texts(const SceneConfig& config, const SceneConfig&) {
   return texts.empty() ? "" : toml_list(texts, toml_string);
 }
 
+constexpr std::array kRangeUnits{Choice{"NM"}, Choice{"km"}};
+constexpr std::size_t kMostScales = 16;
+
+void read_scales(const FoundKey& found, SceneConfig& config) {
+  const std::vector<double> scales = found.reader.numbers(found.name, found.key.limits, 1, kMostScales);
+  if (scales.empty()) return;  // refused
+  if (std::ranges::adjacent_find(scales, std::greater_equal{}) != scales.end()) return found.refuse();
+  config.http.range_scales = scales;
+}
+
+void read_range_unit(const FoundKey& found, SceneConfig& config) {
+  const std::string* text = found.text();
+  const bool known =
+      text != nullptr && std::ranges::find(kRangeUnits, *text, &Choice::name) != kRangeUnits.end();
+  if (!known) return found.refuse();
+  config.http.range_unit = *text;
+}
+
 const std::array kSpecialOfHttp{
+    special<SceneConfig>(
+        "http.range_scales", "", above(0, 500), "a list of 1 to 16 numbers that rise, each",
+        "Range scales that the page offers, in http.range_unit; a ship's are 0.25, 0.5, 0.75, 1.5, 3, 6, 12, "
+        "24, "
+        "48, 96.",
+        read_scales,
+        [](const SceneConfig& config, const SceneConfig&) {
+          return toml_list(config.http.range_scales, toml_number);
+        },
+        "[10.0, 20.0, 40.0, 80.0]", Change::restart),
+    special<SceneConfig>(
+        "http.range_unit", "", kRangeUnits, "", "Unit of http.range_scales, and of ranges on the page.",
+        read_range_unit,
+        [](const SceneConfig& config, const SceneConfig&) { return toml_string(config.http.range_unit); },
+        "\"NM\"", Change::restart),
     special<SceneConfig>("http.names", "", kAny, "a list of names without ports, such as \"radar.example\"",
                          "Names under which browsers reach this server, besides its addresses and localhost; "
                          "requests for another Host are refused.",

@@ -58,6 +58,8 @@ struct HttpConfig {
   std::vector<std::string> names;    ///< a Host may be, besides addresses and localhost
   std::vector<std::string> origins;  ///< an Origin may be, besides the server's own
   double timeout_s = 10;  ///< for a request's header to arrive, for an answer to be taken, between requests
+  std::vector<double> range_scales{10, 20, 40, 80};  ///< of the page's buttons, in range_unit
+  std::string range_unit = "NM";
 };
 
 extern const Section kHttpSection;

@@ -28,6 +28,7 @@ export class Bins {
     this.scan = null;
     this.video = new Uint8Array(0); // [azimuth, range], as sent
     this.state = new Uint8Array(0);
+    this.hasState = new Uint8Array(0); // [azimuth] whether its states have come
     this.shown = new Uint8ClampedArray(0); // levels
     this.seen_ms = new Float64Array(0); // [azimuth] when it was seen, by ageClock_ms(); -Infinity: never
     this.changed = new Uint8Array(0); // [azimuth]
@@ -44,6 +45,8 @@ export class Bins {
     this.newest = null; // times of the newest row that was shown
     this.passed = []; // since the last look: how long ago the beam stood in each row that was shown, ms
     this.scanRow = -1;
+    this.last = null; // of a scanning beam: the row shown before, and its bin
+    this.gap = {};
     this.isRecorded = false;
     this.swept_ms = 0; // of a recording: for how long the beam has swept so far
   }
@@ -96,7 +99,7 @@ export class Bins {
     if (sameShape && !scan && placement.key !== this.placement.key) {
       // Shown when it is whole: half of it would lie where the antenna no longer is.
       const size = placement.azimuths * placement.ranges;
-      this.next = { d, placement, video: this.spareVideo(size), state: this.spareState(size), count: 0 };
+      this.next = { d, placement, video: this.spareVideo(size), state: this.spareState(size), hasState: this.hasState.slice(), count: 0 };
       return false;
     }
     const moved = this.placement?.key !== placement.key;
@@ -129,11 +132,13 @@ export class Bins {
     const size = placement.azimuths * placement.ranges;
     this.video = new Uint8Array(size);
     this.state = new Uint8Array(size);
+    this.hasState = new Uint8Array(placement.azimuths);
     this.shown = new Uint8ClampedArray(size);
     this.seen_ms = new Float64Array(placement.azimuths).fill(-Infinity);
     this.changed = new Uint8Array(placement.azimuths).fill(1);
     this.held = [];
     this.scanRow = -1;
+    this.last = null;
   }
 
   /** A sector that has turned keeps what it knows at its bearing. */
@@ -141,7 +146,9 @@ export class Bins {
     const by = Math.round((placement.start_deg - this.placement.start_deg) / placement.width_deg);
     if (by === 0) return;
     const { azimuths, ranges, isRound } = placement;
-    const old = { video: this.video.slice(), state: this.state.slice(), shown: this.shown.slice(), seen: this.seen_ms.slice() };
+    const old = { video: this.video.slice(), state: this.state.slice(), shown: this.shown.slice(), seen: this.seen_ms.slice(),
+      hasState: this.hasState.slice() };
+    this.last = null;
     for (let row = 0; row < azimuths; ++row) {
       const from = isRound ? (((row + by) % azimuths) + azimuths) % azimuths : row + by;
       const known = from >= 0 && from < azimuths;
@@ -151,6 +158,7 @@ export class Bins {
         else target.fill(0);
       }
       this.seen_ms[row] = known ? old.seen[from] : -Infinity;
+      this.hasState[row] = known ? old.hasState[from] : 0;
     }
     this.changed.fill(1);
   }
@@ -172,13 +180,13 @@ export class Bins {
     }
     const times = { pose_ms: clock.age_ms(body.pose_received_ns), beam_ms: clock.age_ms(body.beam_ns), at_ms: clock.now_ms,
       utc_ms: clock.utc_ms };
+    if (body.plane === "STATE") this.hasStates = true;
     if (this.next) {
       this.next[body.plane === "VIDEO" ? "video" : "state"].set(plane, first * placement.ranges);
+      if (body.plane === "STATE") this.next.hasState.fill(1, first, first + rows);
       this.next.times = times;
-    } else if (body.plane === "STATE") {
-      this.state.set(plane, first * placement.ranges);
-      this.hasStates = true;
-      this.changed.fill(1, first, first + rows);
+    } else if (body.plane === "STATE" && !(this.scan && body.beam_ns !== undefined)) {
+      this.#showStates(first, plane, rows);
     } else if (this.scan && body.beam_ns !== undefined) {
       this.#hold(body, plane, first, rows, times);
     } else {
@@ -210,26 +218,73 @@ export class Bins {
       if (isRound) to = ((to % azimuths) + azimuths) % azimuths;
       if (to < 0 || to >= azimuths) continue;
       const beam_ms = times.at_ms - times.beam_ms + (first + row + 0.5 - middle) * row_ms;
+      const values = plane.subarray(row * ranges, (row + 1) * ranges);
+      if (body.plane === "STATE") {
+        this.held.push({ row: to, states: values, beam_ms });
+        continue;
+      }
       const late_ms = times.at_ms - beam_ms;
       // As late as the latest azimuth of late, so that the beam moves evenly.
       this.delay_ms = Math.min(Math.max(this.delay_ms - 0.02, late_ms), MOST_HELD_MS);
-      this.held.push({ row: to, values: plane.subarray(row * ranges, (row + 1) * ranges), beam_ms, row_ms, times });
+      this.held.push({ row: to, bin: first + row, values, beam_ms, row_ms, times });
     }
+    if (body.plane === "STATE") this.held.sort((a, b) => a.beam_ms - b.beam_ms); // a row's states after its values
   }
 
   /** Shows what is due. */
   advance(now_ms) {
     let due = 0;
     while (due < this.held.length && this.held[due].beam_ms + this.delay_ms <= now_ms) {
-      const { row, values, beam_ms, row_ms, times } = this.held[due++];
+      const { row, bin, states, values, beam_ms, row_ms, times } = this.held[due++];
+      if (states) {
+        this.#showStates(row, states, 1);
+        for (const to of this.gap[row] ?? []) this.#showStates(to, states, 1);
+        continue;
+      }
       this.#show(row, values, 1, { ...times, beam_ms: now_ms - beam_ms, at_ms: now_ms });
       this.seen_ms[row] = beam_ms;
-      if (beam_ms === -Infinity) continue; // missed
+      if (beam_ms === -Infinity) { // missed
+        this.last = null;
+        continue;
+      }
       if (this.isRecorded) this.seen_ms[row] = this.swept_ms += Math.abs(row_ms);
+      this.#closeGap(row, bin);
       this.scanRow = row;
       this.passed.push(now_ms - beam_ms);
     }
     if (due) this.held.splice(0, due);
+  }
+
+  /**
+   * Where the antenna itself turns with the scan, the dwells that it renders lie apart. A beam leaves no gaps: azimuths that lie between two
+   * that followed each other show the nearer one.
+   */
+  #closeGap(row, bin) {
+    const { azimuths, ranges, isRound } = this.placement;
+    const { last } = this;
+    this.last = { row, bin };
+    this.gap = { [row]: [] }; // rows that show what the key does
+    if (!last) return;
+    const step = this.scan.clockwise ? 1 : -1;
+    const around = (n) => (isRound ? ((n % azimuths) + azimuths) % azimuths : n);
+    if (around(last.bin + step) !== bin) return; // another pass, or what lies between was not looked at
+    const gap = isRound ? around(step * (row - last.row)) : step * (row - last.row);
+    if (gap < 2 || gap > azimuths / 2) return; // the next, or against the scan
+    for (let k = 1; k < gap; ++k) {
+      const to = around(last.row + step * k);
+      const from = 2 * k < gap ? last.row : row;
+      this.video.copyWithin(to * ranges, from * ranges, (from + 1) * ranges);
+      if (from === row) this.gap[row].push(to); // its states are still to come
+      else if (this.hasState[from]) this.#showStates(to, this.state.subarray(from * ranges, (from + 1) * ranges), 1);
+      this.#levels(to, 1);
+      this.seen_ms[to] = this.seen_ms[from];
+    }
+  }
+
+  #showStates(first, states, rows) {
+    this.state.set(states, first * this.placement.ranges);
+    this.hasState.fill(1, first, first + rows);
+    this.changed.fill(1, first, first + rows);
   }
 
   #show(first, values, rows, times) {
@@ -280,11 +335,11 @@ export class Bins {
     ++this.frames;
     for (const span of body.missed ?? []) this.#miss(number(span.first_azimuth), number(span.n_azimuth));
     if (!this.next) return false;
-    const { d, placement, video, state, times } = this.next;
+    const { d, placement, video, state, hasState, times } = this.next;
     const levels = this.#levelsOf();
     [this.spare, this.spareStates] = [this.video, this.state];
     this.#take(d, placement, true);
-    [this.video, this.state] = [video, state];
+    [this.video, this.state, this.hasState] = [video, state, hasState];
     this.scan = null;
     this.next = null;
     if (levels !== this.#levelsOf() || times) this.#levels(0, placement.azimuths);
@@ -303,15 +358,25 @@ export class Bins {
 
   /** Nothing that was seen holds any more. */
   clear() {
-    for (const plane of [this.video, this.state, this.shown]) plane.fill(0);
+    for (const plane of [this.video, this.state, this.shown, this.hasState]) plane.fill(0);
     this.seen_ms.fill(-Infinity);
     this.changed.fill(1);
     this.held = [];
+    this.last = null;
+  }
+
+  /** They come no more. */
+  forgetStates() {
+    if (!this.hasStates) return;
+    this.hasStates = false;
+    this.hasState.fill(0);
+    this.changed.fill(1);
   }
 
   abort() {
     this.next = null;
     this.held = [];
+    this.last = null;
   }
 
   /** Low and high end in dB of what `bins` show, 5th to 99.7th percentile, at least 10 dB, as in ground_map.png. */

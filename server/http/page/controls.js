@@ -1,13 +1,17 @@
 // The tab Display: what is shown and how; kept in the URL's fragment.
 
-import { PALETTES, STATE_COLOURS, STATE_WORDS, colourOf } from "./palettes.js";
+import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./palettes.js";
+import { UPS } from "./heading.js";
+import { UNIT_M } from "./grid.js";
+import { hasReceiver } from "./levels.js";
+import { turned } from "./placement.js";
 
 const $ = (id) => document.getElementById(id);
 
 /** @type {Record<string, any>} what the fragment may say, and what holds without it */
 export const DEFAULTS = {
-  palette: "green", low: -80, span: 50, auto: true, r2: true, glow: -1, up: "north", slant: false, unit: "km",
-  rings: true, overlay: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
+  palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "auto", slant: false, unit: "km",
+  rings: true, overlay: false, bscope: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
 };
 
 export function readFragment() {
@@ -20,7 +24,8 @@ export function readFragment() {
   }
   if (!PALETTES.includes(found.palette)) found.palette = DEFAULTS.palette;
   if (!["km", "NM"].includes(found.unit)) found.unit = DEFAULTS.unit;
-  if (!["north", "bearing"].includes(found.up)) found.up = DEFAULTS.up;
+  if (!UPS.includes(found.up)) found.up = DEFAULTS.up;
+  found.size = Math.min(2, Math.max(0.7, found.size));
   found.rate = Math.max(0.1, found.rate);
   return found;
 }
@@ -57,13 +62,20 @@ export class Display {
       button.onclick = () => this.set({ palette: name });
       $("palette").append(button);
     }
-    $("low").oninput = () => this.levels(Number($("low").value), look.span_dB);
-    $("span").oninput = () => this.levels(look.low_dB, Number($("span").value));
+    $("low").oninput = () => app.level(Number($("low").value), app.active.levels.span_dB);
+    $("span").oninput = () => app.level(app.active.levels.low_dB, Number($("span").value));
     $("glow").oninput = () => this.set({ afterglow_s: Number($("glow").value), autoGlow: false });
-    $("auto").onclick = () => this.set({ auto: !look.auto });
+    $("auto").onclick = () => app.active.levelOnce();
+    $("usual").onclick = () => this.usual();
     $("compensated").onclick = () => this.set({ compensated: !look.compensated });
-    $("up-north").onclick = () => this.set({ up: "north" });
-    $("up-bearing").onclick = () => this.set({ up: "bearing" });
+    for (const up of UPS) $(`up-${up}`).onclick = () => this.set({ up });
+    $("size").onchange = () => this.set({ size: Number($("size").value) });
+    $("expert").onchange = () => {
+      app.kept.expert = $("expert").checked;
+      app.fillSources();
+      app.keep();
+    };
+    $("bscope").onclick = () => this.set({ bscope: !look.bscope });
     $("by-ground").onclick = () => this.set({ slant: false });
     $("by-slant").onclick = () => this.set({ slant: true });
     $("rings").onclick = () => this.set({ rings: !look.rings });
@@ -75,26 +87,38 @@ export class Display {
     $("zoom-in").onclick = () => app.zoom(1.5);
     $("zoom-fit").onclick = () => app.zoom(0);
     $("png").onclick = () => app.save();
-    for (const k of [0, 1]) $(`marker-${k + 1}`).onclick = () => app.toggleMarker(k);
-    for (const [state, word] of STATE_WORDS.entries()) {
-      if (state === 1) continue;
-      const item = document.createElement("i");
-      item.title = word;
-      item.textContent = ["not sampled", "", "shadow", "unknown", "too near"][state];
-      const swatch = document.createElement("canvas");
-      [swatch.width, swatch.height] = [8, 8];
-      const c = swatch.getContext("2d");
-      c.fillStyle = `rgb(${STATE_COLOURS[state].join(" ")})`;
-      c.fillRect(0, 0, 8, 8);
-      item.prepend(swatch);
-      $("overlay-legend").append(item);
+    for (const k of [0, 1]) {
+      for (const kind of ["ebl", "vrm"]) {
+        $(`${kind}-${k + 1}`).onclick = () => app.toggleLine([kind, k]);
+        $(`${kind}-${k + 1}-at`).onchange = ({ target }) => this.#line(kind, k, target.value);
+      }
     }
+    const tiles = stateTiles();
+    for (const [state, word] of STATE_WORDS.entries()) if (state !== 1) this.#legend(word, ["not sampled", "", "shadow", "unknown", "too near"][state], tiles[state]);
+    this.#legend("the beam has not come by yet", "not yet", new Uint32Array(64).fill(packed(NOT_YET)));
     this.show();
   }
 
-  levels(low_dB, span_dB) {
-    this.set({ auto: false }, false);
-    this.app.level(low_dB, span_dB);
+  /** @param {Uint32Array} tile 8 x 8 pixels */
+  #legend(title, text, tile) {
+    const item = document.createElement("i");
+    item.title = title;
+    item.textContent = text;
+    const swatch = document.createElement("canvas");
+    [swatch.width, swatch.height] = [16, 8];
+    const c = swatch.getContext("2d");
+    const image = new ImageData(new Uint8ClampedArray(tile.buffer.slice(0)), 8, 8);
+    for (const x of [0, 8]) c.putImageData(image, x, 0);
+    item.prepend(swatch);
+    $("overlay-legend").append(item);
+  }
+
+  /** Levels by the receiver again, or by what is shown. */
+  usual() {
+    const { active } = this.app;
+    active.levels.auto = true;
+    active.levels.unsettle();
+    if (active.bins.descriptor) active.level(performance.now());
     this.show();
     this.app.keep();
   }
@@ -106,9 +130,26 @@ export class Display {
     if (keep) this.app.keep();
   }
 
+  /** A bearing line or range marker by number: degrees, or the unit of ranges; nothing takes it away. */
+  #line(kind, k, text) {
+    const value = text.trim() === "" ? null : Number(text);
+    const isWrong = value !== null && (!Number.isFinite(value) || (kind === "vrm" && value <= 0));
+    if (isWrong) return this.show();
+    const { lines, unit } = this.app.look;
+    const list = lines[kind].map((was, n) => (n !== k ? was : value === null ? null : kind === "ebl" ? turned(value) : value * UNIT_M[unit]));
+    this.app.setLines({ ...lines, [kind]: list });
+  }
+
   next(key, values) {
     const { look } = this.app;
+    if (key === "up" && look.up === "auto") return this.set({ up: values[(values.indexOf(this.#upNow()) + 1) % values.length] });
     this.set({ [key]: values[(values.indexOf(look[key]) + 1) % values.length] });
+  }
+
+  /** What is up on the first picture. */
+  #upNow() {
+    const [{ bins, heading }] = this.app.panes;
+    return bins.placement ? heading.up(this.app.look.up, bins.placement).up : this.app.look.up;
   }
 
   show() {
@@ -120,15 +161,21 @@ export class Display {
       if (Number($(id).value) !== value && document.activeElement !== $(id)) $(id).value = String(value);
       $(`${id}-text`).textContent = text;
     };
-    put("low", look.low_dB, `${look.low_dB.toFixed(0)} dB`);
-    put("span", look.span_dB, `${look.span_dB.toFixed(0)} dB`);
+    const { bins, levels } = this.app.active;
+    this.#limits(bins, levels);
+    put("low", levels.low_dB, `${levels.low_dB.toFixed(0)} dB`);
+    put("span", levels.span_dB, `${levels.span_dB.toFixed(0)} dB`);
     put("glow", look.afterglow_s, look.afterglow_s ? `${look.afterglow_s.toFixed(1)} s` : "off");
-    press("auto", look.auto);
+    press("usual", levels.auto);
+    $("usual").textContent = hasReceiver(bins.descriptor) ? "receiver" : "follow";
     const may = panes.some((pane) => pane.bins.mayCompensate);
     $("compensated").disabled = !may;
     press("compensated", may && look.compensated);
-    check("up-north", look.up === "north");
-    check("up-bearing", look.up === "bearing");
+    const now = this.#upNow();
+    for (const up of UPS) check(`up-${up}`, now === up);
+    press("bscope", look.bscope);
+    $("expert").checked = this.app.kept.expert;
+    $("size").value = String(look.size);
     check("by-ground", !look.slant);
     check("by-slant", look.slant);
     press("rings", look.rings);
@@ -137,16 +184,26 @@ export class Display {
     press("overlay", look.overlay);
     $("overlay-legend").hidden = !look.overlay;
     press("hold", look.hold);
-    for (const k of [0, 1]) press(`marker-${k + 1}`, look.markers[k] || look.armed === k);
+    for (const k of [0, 1])
+      for (const [kind, scale, digits] of [["ebl", 1, 1], ["vrm", UNIT_M[look.unit], 2]]) {
+        const value = look.lines[kind][k];
+        press(`${kind}-${k + 1}`, value !== null || String(look.armed) === `${kind},${k}`);
+        const field = $(`${kind}-${k + 1}-at`);
+        const text = value === null ? "" : (value / scale).toFixed(digits);
+        if (document.activeElement !== field) field.value = text;
+      }
     press("two", panes.length > 1);
   }
 
   /** The slider's ends follow the video's scale. */
-  limits(low_dB, high_dB) {
+  #limits(bins, { low_dB }) {
+    if (!bins.placement) return;
+    const least = Math.floor(bins.floor_dB + bins.compensation_dB(0));
+    const most = Math.ceil(bins.floor_dB + 254 * bins.step_dB + bins.compensation_dB(bins.placement.ranges - 1));
     const low = $("low");
-    if (Number(low.min) === low_dB && Number(low.max) === high_dB) return;
-    low.min = String(low_dB);
-    low.max = String(high_dB);
-    low.value = String(this.app.look.low_dB);
+    if (Number(low.min) === least && Number(low.max) === most) return;
+    low.min = String(least);
+    low.max = String(most);
+    low.value = String(low_dB);
   }
 }

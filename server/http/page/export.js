@@ -17,7 +17,7 @@ export function captionOf(pane, app) {
   const compensated = scale.compensated && pane.bins.mayCompensate ? " with r²" : "";
   return [
     `${link.welcome?.scene_name ?? d.scene_name} · ${pane.pick.selectedOptions[0]?.text ?? d.radar} · ` +
-      `${timeText(pane)} · ${pane.frustum ? "rendered once" : `frame ${d.frame_id ?? 0}`}`,
+      `${timeText(pane)} · ${pane.isRendered ? "rendered once" : `frame ${d.frame_id ?? 0}`}`,
     `${signed(number(pose.latitude_deg), "N", "S")} ${signed(number(pose.longitude_deg), "E", "W")}, ` +
       `${number(pose.height_m).toFixed(0)} m, bearing ${bearingText(number(pose.bearing_deg))} · ` +
       `${distanceText(placement.r0_m, look.unit)} to ${distanceText(placement.rMax_m, look.unit)}`,

@@ -16,6 +16,8 @@
  * @property {boolean} [not_ideal] other than by default, bins are more than an ideal map's echoes
  */
 
+const TURN_MS = 250; // after the wheel's last step
+
 /** The field of its message. */
 export const fieldOf = ({ message_field }) => message_field.split(".")[1];
 
@@ -73,6 +75,7 @@ export class Field {
     this.element.append(name, this.input, this.value, unit, this.refusal);
     this.current = undefined;
     this.input.onchange = () => this.#changed();
+    this.input.addEventListener("wheel", (event) => !this.input.hidden && this.#turn(event), { passive: false });
   }
 
   #inputOf() {
@@ -103,7 +106,8 @@ export class Field {
     this.value.hidden = mayChange;
     const text = this.#text(this.current);
     this.value.textContent = text;
-    if (document.activeElement === this.input && this.input.type !== "checkbox") return;
+    this.value.title = this.current === undefined ? "" : String(this.current);
+    if (this.turned || (document.activeElement === this.input && this.input.type !== "checkbox")) return;
     if (this.input.type === "checkbox") this.input.checked = Boolean(this.current);
     else if (this.input.value !== text && !this.refusal.textContent) this.input.value = text;
   }
@@ -112,7 +116,33 @@ export class Field {
     const { type } = this.parameter;
     if (type === "boolean") return value ? "on" : "off";
     if (type === "choice") return wordOf(this.parameter, value);
-    return value === undefined ? "0" : String(type === "integer" ? value : Number(Number(value).toPrecision(12)));
+    if (value === undefined) return "0";
+    return type === "integer" ? String(value) : this.#rounded(Number(value));
+  }
+
+  /** As an operator reads it; the title of the value has all digits. */
+  #rounded(value) {
+    const { unit, key } = this.parameter;
+    if (/latitude|longitude/.test(key)) return String(Number(value.toFixed(5)));
+    const digits = { deg: 2, dB: 1, m: 1 }[unit];
+    return String(digits === undefined || (value !== 0 && Math.abs(value) < 0.1 ** digits) ? Number(value.toPrecision(6)) : Number(value.toFixed(digits)));
+  }
+
+  /** The wheel turns a field that may be changed, by its own steps; what is turned is sent when it stands still. */
+  #turn(event) {
+    const { type, limits, unit } = this.parameter;
+    if (type !== "number" && type !== "integer") return;
+    event.preventDefault();
+    const step = type === "integer" || ["dB", "mm/h", "us"].includes(unit) ? 1 : unit === "m" ? 100 : unit.startsWith("deg") ? 0.5 : 0.1;
+    const now = Number(this.input.value) - Math.sign(event.deltaY) * step;
+    const least = limits.at_least ?? limits.above ?? -Infinity;
+    this.input.value = this.#rounded(Math.min(limits.at_most ?? limits.below ?? Infinity, Math.max(least, now)));
+    this.turned = true;
+    clearTimeout(this.turning);
+    this.turning = setTimeout(() => {
+      this.turned = false;
+      this.#changed();
+    }, TURN_MS);
   }
 
   async #changed() {

@@ -41,16 +41,56 @@ export function ringSteps(near, far) {
   return rings.find((one) => count(one) >= FEWEST_RINGS && count(one) <= MOST_RINGS) ?? rings[0];
 }
 
-/** @param {import("./ppi.js").Ppi} ppi */
-export function drawGrid(ppi) {
-  const { grid: c, bins, look } = ppi;
-  const { placement } = bins;
+function begin(ppi) {
+  const { grid: c } = ppi;
   c.setTransform(ppi.density, 0, 0, ppi.density, 0, 0);
   c.clearRect(0, 0, ppi.width, ppi.height);
   c.font = FONT;
   c.lineWidth = 1;
   c.textBaseline = "middle";
-  const sector_deg = placement.azimuths * placement.width_deg;
+  return c;
+}
+
+/** Of a B-scope. @param {import("./ppi.js").Ppi} ppi */
+export function drawAxes(ppi) {
+  const { look, bins: { placement }, box: { left, right, top, bottom } } = ppi;
+  const c = begin(ppi);
+  c.strokeStyle = EDGE;
+  c.strokeRect(left - 0.5, top - 0.5, right - left + 1, bottom - top + 1);
+  const unit_m = UNIT_M[look.unit];
+  const { step, first, last } = ringSteps(placement.r0_m / unit_m, placement.rMax_m / unit_m);
+  ppi.ringStep = { step, first, last, unit: look.unit };
+  for (let n = first; n <= last; ++n) {
+    const [, y] = ppi.screenOf(placement.start_deg, n * step * unit_m);
+    if (look.rings) stroked(c, [[left, y], [right, y]]);
+    write(c, `${+(n * step).toPrecision(6)}${n === last ? ` ${look.unit}` : ""}`, right + 4, y);
+  }
+  const words = [1, 2, 5, 10, 30].find((k) => ((right - left) / placement.sector_deg) * k >= 44) ?? 30;
+  c.textAlign = "center";
+  for (let n = Math.ceil(placement.start_deg / words - 1e-9); n * words <= placement.start_deg + placement.sector_deg + 1e-9; ++n) {
+    const x = left + ((n * words - placement.start_deg) / placement.sector_deg) * (right - left);
+    if (look.rings) stroked(c, [[x, top], [x, bottom]]);
+    write(c, String(Math.round(turned(n * words))).padStart(3, "0"), x, bottom + 12);
+  }
+  c.textAlign = "left";
+  legend(ppi, c);
+}
+
+function stroked(c, points) {
+  c.beginPath();
+  for (const point of points) c.lineTo(...point);
+  for (const [colour, width] of [[SHADE, 3], [LINE, 1]]) {
+    [c.strokeStyle, c.lineWidth] = [colour, width];
+    c.stroke();
+  }
+}
+
+/** @param {import("./ppi.js").Ppi} ppi */
+export function drawGrid(ppi) {
+  const { bins, look } = ppi;
+  const { placement } = bins;
+  const c = begin(ppi);
+  const { sector_deg } = placement;
   if (look.rings) rings(ppi, c, sector_deg);
   if (!placement.isRound) {
     c.strokeStyle = EDGE;
@@ -214,7 +254,7 @@ function legend(ppi, c) {
   const width = 9;
   const { placement } = ppi.bins;
   const middle_deg = placement.start_deg + (placement.azimuths * placement.width_deg) / 2 - ppi.view.up_deg;
-  const isLeft = !placement.isRound && Math.sin(middle_deg * DEGREE) > 0.3;
+  const isLeft = !ppi.look.bscope && !placement.isRound && Math.sin(middle_deg * DEGREE) > 0.3;
   const x = isLeft ? 34 : ppi.width - width - 8;
   const y = ppi.height - height - 20;
   for (let k = 0; k < height; ++k) {

@@ -1,11 +1,13 @@
 // Pointer, touch and keys.
 
 import { PALETTES } from "./palettes.js";
+import { UPS } from "./heading.js";
+import { lineAt } from "./lines.js";
 import { turned } from "./placement.js";
 
 const LONG_PRESS_MS = 450;
 const STILL_PX = 5;
-const NEAR_PX = 14; // of a handle or a marker
+const NEAR_PX = 14; // of a handle
 const POSE_MS = 50; // between poses of a dragged bearing
 
 /** @type {[string, string][]} what `?` shows */
@@ -14,11 +16,13 @@ export const KEYS = [
   ["Shift + arrows", "move the cursor"],
   ["+ − 0", "zoom in, out, all of the sector"],
   ["[ ]", "smaller, greater range scale"],
-  ["1 2", "markers: at the cursor, or away"],
-  ["A", "automatic levels"],
+  ["1 2", "bearing line and range marker 1, 2 (EBL, VRM): at the cursor, or away"],
+  ["A", "levels by what is shown now"],
   ["C", "next palette"],
-  ["N", "north or bearing up"],
-  ["G", "places on the ground, or slant ranges"],
+  ["N", "north, bearing, heading or course up"],
+  ["G", "to the gain: type a number; the wheel turns a field, too"],
+  ["L", "places on the ground, or slant ranges"],
+  ["B", "B-scope: bearings across, ranges upwards"],
   ["R U", "rings; km or NM"],
   ["O", "overlay of shadow, not sampled, no ground"],
   ["F", "hold the picture"],
@@ -27,7 +31,7 @@ export const KEYS = [
   ["K", "take or release control"],
   ["T Z", "standby; freeze the radar"],
   ["D", "next tab"],
-  ["Esc", "cursor and markers away"],
+  ["Esc", "cursor, bearing lines and range markers away"],
   ["space , .", "of a recording: pause; a second back, on, with Ctrl ten"],
   ["?", "this list"],
 ];
@@ -57,9 +61,10 @@ function press(app, key) {
   const does = {
     "+": () => app.zoom(1.5), "=": () => app.zoom(1.5), "-": () => app.zoom(1 / 1.5), 0: () => app.zoom(0),
     "[": () => controls.isMine && controls.nextScale(-1), "]": () => controls.isMine && controls.nextScale(1),
-    1: () => app.toggleMarker(0), 2: () => app.toggleMarker(1),
-    a: () => display.set({ auto: !look.auto }), c: () => display.next("palette", PALETTES),
-    n: () => display.next("up", ["north", "bearing"]), g: () => display.set({ slant: !look.slant }),
+    1: () => app.toggleLine(["mark", 0]), 2: () => app.toggleLine(["mark", 1]),
+    a: () => app.active.levelOnce(), c: () => display.next("palette", PALETTES),
+    n: () => display.next("up", UPS), g: () => controls.toGain(), l: () => display.set({ slant: !look.slant }),
+    b: () => display.set({ bscope: !look.bscope }),
     r: () => display.set({ rings: !look.rings }), u: () => display.next("unit", ["km", "NM"]),
     o: () => display.set({ overlay: !look.overlay }), f: () => display.set({ hold: !look.hold }),
     s: () => app.save(), p: () => app.setPanes(app.panes.length === 1 ? 2 : 1),
@@ -81,24 +86,20 @@ export function listenPointer(app, pane) {
   const { ppi } = pane;
   const { element } = ppi;
   const down = new Map(); // pointers by id: [x, y]
-  let drag = null; // what moves: "pan", "cursor", "bearing", a marker's number
+  let drag = null; // what moves: "pan", "cursor", "bearing", a line as lineAt() names it
   let moved = 0;
   let pressTimer = 0;
   let posed_ms = 0;
 
   const at = (event) => {
     const box = element.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
+    return [(event.clientX - box.left) / app.look.px, (event.clientY - box.top) / app.look.px];
   };
   const near = (x, y, point) => point && Math.hypot(x - point[0], y - point[1]) < NEAR_PX;
   const bearingAt = (x, y) => turned(ppi.read(ppi.fromScreen(x, y)).bearing_deg);
   const grabbed = (x, y) => {
     if (ppi.handle && near(x, y, ppi.handleAt)) return "bearing";
-    for (const k of [0, 1]) {
-      const marker = app.look.markers[k];
-      if (marker && near(x, y, ppi.toScreen(marker.east_m, marker.north_m))) return k;
-    }
-    return "pan";
+    return lineAt(ppi, x, y) ?? "pan";
   };
   const spread = () => {
     const [[x0, y0], [x1, y1]] = [...down.values()];
@@ -147,8 +148,8 @@ export function listenPointer(app, pane) {
         posed_ms = performance.now();
         app.setBearing(ppi.draggedBearing_deg);
       }
-    } else if (typeof drag === "number") {
-      app.setMarker(drag, ppi.fromScreen(x, y));
+    } else if (Array.isArray(drag)) {
+      app.placeLine(drag, pane, x, y);
     } else if (drag === "pan" && moved > STILL_PX) {
       ppi.pan(x - was[0], y - was[1]);
       app.change({});
@@ -162,7 +163,7 @@ export function listenPointer(app, pane) {
     if (drag === "bearing" && event.type === "pointerup") app.setBearing(bearingAt(x, y));
     if (drag === "bearing") ppi.draggedBearing_deg = undefined;
     if (drag === "pan" && moved <= STILL_PX && event.type === "pointerup") {
-      if (app.look.armed !== null) app.setMarker(app.look.armed, ppi.fromScreen(x, y));
+      if (app.look.armed !== null) app.placeLine(app.look.armed, pane, x, y);
       else app.setCursor(ppi.fromScreen(x, y));
     }
     drag = down.size ? "pan" : null;

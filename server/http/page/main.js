@@ -10,8 +10,10 @@ import { Pane } from "./pane.js";
 import { RadarControls } from "./radar.js";
 import { number } from "./messages.js";
 import { savePicture } from "./export.js";
+import { crossing, movedLines, noLines } from "./lines.js";
+import { applySize, sizeFor } from "./size.js";
 import { fillSources, isWide, otherSource } from "./sources.js";
-import { sentences } from "./words.js";
+import { LEAST_COVERAGE, sentences } from "./words.js";
 import { turned } from "./placement.js";
 
 const POLL_MS = 1000;
@@ -21,17 +23,20 @@ const NEWS_MS = 12000;
 
 const $ = (id) => document.getElementById(id);
 
-/** @typedef {import("./ppi.js").Look & {low_dB: number, span_dB: number, auto: boolean, compensated: boolean, autoGlow: boolean, hold: boolean, armed: number|null}} AppLook */
+/** @typedef {import("./ppi.js").Look & {compensated: boolean, autoGlow: boolean, hold: boolean, size: number, armed: [string, number]|null}} AppLook */
 
 export class App {
   constructor() {
     const kept = readFragment();
     /** @type {AppLook} */
     this.look = {
-      palette: kept.palette, low_dB: kept.low, span_dB: kept.span, auto: kept.auto, compensated: kept.r2,
+      palette: kept.palette, compensated: kept.r2,
       afterglow_s: Math.max(0, kept.glow), autoGlow: kept.glow < 0, up: kept.up, slant: kept.slant, unit: kept.unit,
-      rings: kept.rings, overlay: kept.overlay, hold: false, window: null, cursor: null, markers: [null, null], armed: null,
+      rings: kept.rings, overlay: kept.overlay, bscope: kept.bscope, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
+      size: kept.size, px: sizeFor(kept.size),
     };
+    applySize(this.look.px);
+    addEventListener("resize", () => this.resize());
     this.kept = kept;
     this.tab = kept.tab;
     /** @type {Pane[]} */
@@ -43,6 +48,7 @@ export class App {
       message: (message) => this.take(message),
       state: (state) => this.linked(state),
       welcome: (welcome) => this.welcomed(welcome),
+      scales: (scales, unit) => this.controls.offer(scales, unit),
     });
     this.meter = new Meter();
     this.readout = new Readout();
@@ -115,10 +121,13 @@ export class App {
   /** Keeps the settings in the URL's fragment. */
   keep() {
     const { look } = this;
+    const levels = Object.fromEntries(this.panes.flatMap(({ levels: { low_dB, span_dB, auto } }, k) => {
+      const of = k ? k + 1 : "";
+      return auto ? [] : [[`auto${of}`, false], [`low${of}`, low_dB], [`span${of}`, span_dB]];
+    }));
     writeFragment({
-      palette: look.palette, low: look.auto ? undefined : look.low_dB, span: look.auto ? undefined : look.span_dB,
-      auto: look.auto, r2: look.compensated, glow: look.autoGlow ? -1 : look.afterglow_s, up: look.up, slant: look.slant,
-      unit: look.unit, rings: look.rings, overlay: look.overlay, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
+      ...levels, palette: look.palette, r2: look.compensated, glow: look.autoGlow ? -1 : look.afterglow_s, up: look.up, slant: look.slant,
+      unit: look.unit, rings: look.rings, overlay: look.overlay, bscope: look.bscope, size: look.size, expert: this.kept.expert, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
       a: this.kept.a, b: this.kept.b,
     });
   }
@@ -126,10 +135,23 @@ export class App {
   // ---- Panes
 
   addPane(source) {
-    const pane = new Pane($("panes"), this, source);
+    const { kept } = this;
+    const levels = this.panes.length ? { low: kept.low2, span: kept.span2, auto: kept.auto2 } : kept;
+    const pane = new Pane($("panes"), this, source, levels);
+    pane.element.addEventListener("pointerdown", () => this.activate(pane), true);
     listenPointer(this, pane);
     this.panes.push(pane);
     $("panes").dataset.count = String(this.panes.length);
+  }
+
+  /** The picture whose levels the tab Display has. */
+  get active() {
+    return this.panes[this.activeNumber] ?? this.panes[0];
+  }
+  activate(pane) {
+    this.activeNumber = this.panes.indexOf(pane);
+    for (const one of this.panes) one.element.classList.toggle("active", one === pane && this.panes.length > 1);
+    this.display?.show();
   }
 
   setPanes(count) {
@@ -138,6 +160,7 @@ export class App {
     while (this.panes.length > count) this.panes.pop().remove();
     if (this.panes.length < count) this.addPane(other);
     $("panes").dataset.count = String(this.panes.length);
+    this.activate(this.active);
     this.fillSources();
     this.subscribe();
     this.poll();
@@ -208,16 +231,24 @@ export class App {
     const asks = [];
     for (const radar of this.subscribed ?? []) if (!wanted.has(radar)) asks.push(link.ask("Unsubscribe", { radar }));
     const rate_hz = Math.min(this.kept.rate, number(link.welcome.limits?.max_rate_hz, this.kept.rate));
+    this.withStates = new Set([...wanted].filter((radar) => this.wantsStates(radar)));
     for (const radar of wanted) {
-      const planes = this.look.overlay ? ["VIDEO", "STATE"] : ["VIDEO"];
+      const planes = this.withStates.has(radar) ? ["VIDEO", "STATE"] : ["VIDEO"];
       asks.push(link.ask("Subscribe", { radar, rate_hz, planes, video_bits: 8 }).catch((error) => {
         for (const pane of this.panes) if (pane.radar === radar) pane.says = error.message;
         throw error;
       }));
     }
     this.subscribed = wanted;
-    if (!this.look.overlay) for (const pane of this.panes) pane.bins.hasStates = false;
+    for (const pane of this.panes) if (pane.radar && !this.withStates.has(pane.radar)) pane.bins.forgetStates();
     await Promise.allSettled(asks);
+  }
+
+  /** For the overlay; and where a live radar looks at ground that no file has, which is hatched. */
+  wantsStates(radar) {
+    if (this.look.overlay) return true;
+    const coverage = this.status?.radars?.find((one) => one.radar === radar)?.coverage;
+    return !this.debrief?.state && number(coverage, 1) < LEAST_COVERAGE;
   }
 
   /** @param {import("./messages.js").Message} message */
@@ -269,6 +300,7 @@ export class App {
         pane.info = info;
         pane.status = (this.status.radars ?? []).find((r) => r.radar === radar) ?? null;
       }
+      if ([...this.subscribed].some((radar) => this.wantsStates(radar) !== this.withStates.has(radar))) this.subscribe();
       if (this.filledFor !== isWide(this)) this.fillSources();
       this.filledFor = isWide(this);
     } catch (error) {
@@ -282,14 +314,14 @@ export class App {
   async set(messageField, value) {
     const [message, field] = messageField.split(".");
     const radar = this.panes[0].radar;
-    if (message === "Pose") await this.link.ask("SetPose", { radar, pose: { [field]: value } });
+    if (message === "Pose") await this.controls.pose({ [field]: value });
     else await this.link.ask("SetSettings", { radar, settings: { [field]: value } });
     await this.poll();
   }
 
   setBearing(bearing_deg) {
     const rounded = Math.round(bearing_deg * 10) / 10;
-    return this.controls.attempt(() => this.link.ask("SetPose", { radar: this.panes[0].radar, pose: { bearing_deg: rounded } }));
+    return this.controls.attempt(() => this.controls.pose({ bearing_deg: rounded }));
   }
   turn(by_deg) {
     const { info } = this.panes[0];
@@ -308,39 +340,42 @@ export class App {
     const { look } = this;
     Object.assign(look, change);
     const has = (...keys) => keys.some((key) => key in change);
+    if (has("size")) this.resize();
     if (has("hold", "overlay") && !look.hold) this.subscribe();
     for (const pane of this.panes) {
       if (has("palette", "afterglow_s")) pane.ppi.restyle();
-      if (has("auto", "compensated")) pane.isSettled = false;
-      if (has("compensated")) this.level(look.low_dB, look.span_dB);
-      if (has("auto", "compensated") && look.auto) pane.level(performance.now());
+      if (has("compensated")) {
+        pane.levels.unsettle();
+        this.rescale(pane);
+        if (pane.bins.descriptor) pane.level(performance.now());
+      }
       if (has("overlay")) pane.ppi.needs.all = true;
-      if (has("up", "slant")) look.window = null;
-      if (has("up", "slant") || !Object.keys(change).length) pane.ppi.refresh();
+      if (has("up", "slant", "bscope")) look.window = null;
+      if (has("up", "slant", "bscope") || !Object.keys(change).length) pane.ppi.refresh();
       pane.ppi.needs.grid = pane.ppi.needs.marks = true;
     }
   }
 
-  /** Black level and span of all panes. */
-  level(low_dB, span_dB) {
-    Object.assign(this.look, { low_dB, span_dB });
-    for (const pane of this.panes) {
-      this.setScale(pane);
-      pane.bins.rescale();
-      pane.ppi.needs.grid = true;
-    }
+  /** Black level and span of a picture, set by hand. */
+  level(low_dB, span_dB, pane = this.active) {
+    pane.levels.set(low_dB, span_dB);
+    this.rescale(pane);
+    this.keep();
+  }
+
+  /** @param {Pane} pane whose levels have changed */
+  rescale(pane) {
+    this.setScale(pane);
+    pane.bins.rescale();
+    pane.ppi.needs.grid = true;
     this.display?.show();
   }
 
   /** @param {Pane} pane */
-  setScale({ bins }) {
-    const { low_dB, span_dB, compensated } = this.look;
-    bins.scale = { low_dB, span_dB, compensated };
-    if (bins !== this.panes[0]?.bins || !bins.placement) return;
-    const near = bins.compensation_dB(0);
-    const far = bins.compensation_dB(bins.placement.ranges - 1);
-    this.display?.limits(Math.floor(bins.floor_dB + near), Math.ceil(bins.floor_dB + 254 * bins.step_dB + far));
-    if (this.look.autoGlow) this.#autoGlow(bins);
+  setScale({ bins, levels }) {
+    const { low_dB, span_dB } = levels;
+    bins.scale = { low_dB, span_dB, compensated: this.look.compensated };
+    if (bins === this.panes[0]?.bins && bins.placement && this.look.autoGlow) this.#autoGlow(bins);
   }
 
   /** An echo fades until the beam comes again. */
@@ -358,6 +393,15 @@ export class App {
     this.change({});
   }
 
+  /** Letters and lines follow the window. */
+  resize() {
+    const px = sizeFor(this.look.size);
+    if (px === this.look.px) return;
+    this.look.px = px;
+    applySize(px);
+    for (const pane of this.panes) pane.ppi.resize();
+  }
+
   setCursor(place) {
     this.look.cursor = place;
     for (const pane of this.panes) pane.ppi.needs.marks = true;
@@ -369,21 +413,32 @@ export class App {
     const [x, y] = cursor ? ppi.toScreen(cursor.east_m, cursor.north_m) : [ppi.width / 2, ppi.height / 2];
     this.setCursor(ppi.fromScreen(x + dx, y + dy));
   }
-  setMarker(k, place) {
-    this.look.markers[k] = place;
+  /** Bearing lines and range markers. @param {import("./lines.js").Lines} lines */
+  setLines(lines) {
+    this.look.lines = lines;
     this.look.armed = null;
     this.setCursor(this.look.cursor);
     this.display.show();
   }
-  toggleMarker(k) {
+  /** @param {[string, number]} what "ebl", "vrm" or "mark", which is both, and its number */
+  placeLine(what, pane, x, y) {
+    const at = pane.ppi.read(pane.ppi.fromScreen(x, y));
+    if (at) this.setLines(movedLines(this.look.lines, what, at));
+  }
+  /** @param {[string, number]} what is taken away; or placed at the cursor, or by the next click */
+  toggleLine(what) {
     const { look } = this;
-    if (look.markers[k]) this.setMarker(k, null);
-    else if (look.cursor && !document.activeElement?.id.startsWith("marker-")) this.setMarker(k, { ...look.cursor });
-    else look.armed = look.armed === k ? null : k;
+    const [kind, k] = what;
+    const { ebl, vrm } = look.lines;
+    const isThere = kind === "mark" ? crossing(look.lines, k) : look.lines[kind][k] !== null;
+    const without = (list) => list.map((value, n) => (n === k ? null : value));
+    if (isThere) this.setLines({ ebl: kind === "vrm" ? ebl : without(ebl), vrm: kind === "ebl" ? vrm : without(vrm) });
+    else if (look.cursor && !/^(ebl|vrm)-/.test(document.activeElement?.id ?? "")) this.setLines(movedLines(look.lines, what, this.panes[0].ppi.read(look.cursor)));
+    else look.armed = String(look.armed) === String(what) ? null : what;
     this.display.show();
   }
   clearMarks() {
-    Object.assign(this.look, { cursor: null, markers: [null, null], armed: null });
+    Object.assign(this.look, { cursor: null, lines: noLines(), armed: null });
     this.setCursor(null);
     this.display.show();
   }
@@ -405,6 +460,7 @@ export class App {
     for (const pane of this.panes) {
       const own = this.said.find(({ banner, panes }) => banner && (panes?.includes(pane) ?? true));
       pane.say(own?.banner ?? "");
+      pane.annunciators.show(pane);
       pane.element.classList.toggle("standby", Boolean(pane.info?.transmit_off));
     }
   }

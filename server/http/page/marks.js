@@ -1,8 +1,7 @@
-// What moves above a picture: scan line, centre bearing, cursor, markers.
+// What moves above a picture: scan line, heading line, centre bearing, cursor; bearing lines and range markers.
 
-import { DEGREE, turned } from "./placement.js";
+import { crossing, drawLines } from "./lines.js";
 
-const MARKER_COLOURS = ["#ffd166", "#7cc7ff"];
 const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 
 /** @param {import("./ppi.js").Ppi} ppi */
@@ -16,16 +15,15 @@ export function drawMarks(ppi) {
   const antenna = ppi.toScreen(0, 0);
   if (bins.scan && bins.scanRow >= 0) {
     const bearing = placement.start_deg + (bins.scanRow + 0.5) * placement.width_deg;
-    stroke(c, "rgba(214, 255, 226, 0.75)", [ppi.toScreen(...ppi.placed(bearing, placement.r0_m)),
-      ppi.toScreen(...ppi.placed(bearing, placement.rMax_m))]);
+    stroke(c, "rgba(214, 255, 226, 0.75)", [ppi.screenOf(bearing, placement.r0_m), ppi.screenOf(bearing, placement.rMax_m)]);
   }
+  headingLine(ppi, c);
   centreLine(ppi, c, antenna);
-  look.markers.forEach((marker, k) => {
-    if (marker) drawMarker(ppi, c, antenna, marker, k);
-  });
-  if (look.markers[0] && look.markers[1]) {
+  drawLines(ppi, c);
+  const ends = [0, 1].map((k) => crossing(look.lines, k));
+  if (ends[0] && ends[1]) {
     c.setLineDash([2, 4]);
-    stroke(c, "#c9c9c9", look.markers.map(({ east_m, north_m }) => ppi.toScreen(east_m, north_m)));
+    stroke(c, "#c9c9c9", ends.map(({ bearing_deg, slant_m }) => ppi.screenOf(bearing_deg, slant_m)));
     c.setLineDash([]);
   }
   if (look.cursor) drawCursor(ppi, c, look.cursor);
@@ -39,12 +37,20 @@ function stroke(c, colour, points) {
   c.stroke();
 }
 
+/** From the antenna to the edge, solid as on ships' displays; only of a radar whose poses have a heading, or that looks all round. */
+function headingLine(ppi, c) {
+  const { bins: { placement }, heading } = ppi;
+  if (heading.heading_deg === null && !placement.isRound) return; // the sector's centre is marked at its edge
+  const ahead = heading.ahead_deg(placement);
+  stroke(c, "rgba(236, 250, 244, 0.85)", [ppi.look.bscope ? ppi.screenOf(ahead, placement.r0_m) : ppi.toScreen(0, 0), ppi.screenOf(ahead, placement.rMax_m)]);
+}
+
 /** Of the sector, with a handle for a controller. */
 function centreLine(ppi, c, antenna) {
   const { placement } = ppi.bins;
   const bearing = ppi.draggedBearing_deg ?? placement.bearing_deg;
-  const far = ppi.toScreen(...ppi.placed(bearing, placement.rMax_m));
-  const near = ppi.toScreen(...ppi.placed(bearing, placement.r0_m + 0.93 * (placement.rMax_m - placement.r0_m)));
+  const far = ppi.screenOf(bearing, placement.rMax_m);
+  const near = ppi.screenOf(bearing, placement.r0_m + 0.93 * (placement.rMax_m - placement.r0_m));
   stroke(c, "rgba(200, 226, 218, 0.6)", ppi.draggedBearing_deg === undefined ? [near, far] : [antenna, far]);
   ppi.handleAt = far;
   if (!ppi.handle) return;
@@ -61,28 +67,6 @@ function centreLine(ppi, c, antenna) {
   c.restore();
 }
 
-function drawMarker(ppi, c, antenna, { east_m, north_m }, k) {
-  const [x, y] = ppi.toScreen(east_m, north_m);
-  const radius = Math.hypot(x - antenna[0], y - antenna[1]);
-  c.strokeStyle = c.fillStyle = MARKER_COLOURS[k];
-  c.lineWidth = 1;
-  c.setLineDash([5, 4]);
-  const along = Math.atan2(y - antenna[1], x - antenna[0]);
-  const long = ppi.width + ppi.height;
-  c.beginPath();
-  c.moveTo(...antenna);
-  c.lineTo(antenna[0] + long * Math.cos(along), antenna[1] + long * Math.sin(along));
-  c.stroke();
-  c.beginPath();
-  c.arc(...antenna, radius, 0, 2 * Math.PI);
-  c.stroke();
-  c.setLineDash([]);
-  c.beginPath();
-  c.arc(x, y, 6, 0, 2 * Math.PI);
-  c.stroke();
-  c.fillText(String(k + 1), x + 9, y - 9);
-}
-
 function drawCursor(ppi, c, { east_m, north_m }) {
   const [x, y] = ppi.toScreen(east_m, north_m).map((v) => Math.round(v) + 0.5);
   const parts = [[-16, 0, -5, 0], [5, 0, 16, 0], [0, -16, 0, -5], [0, 5, 0, 16]];
@@ -96,10 +80,4 @@ function drawCursor(ppi, c, { east_m, north_m }) {
     }
     c.stroke();
   }
-}
-
-/** True bearing, in whole and tenths of degrees, of a line on the plane. */
-export function lineOf(from, to) {
-  const [e, n] = [to.east_m - from.east_m, to.north_m - from.north_m];
-  return { distance_m: Math.hypot(e, n), bearing_deg: turned(Math.atan2(e, n) / DEGREE) };
 }

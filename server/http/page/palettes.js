@@ -43,6 +43,24 @@ export const STATE_COLOURS = /** @type {Colour[]} */ ([
 ]);
 export const STATE_WORDS = ["not sampled", "sampled", "shadow", "no known ground", "nearer than any ground"];
 
+/** Of azimuths whose states have not come yet, where states are shown. */
+export const NOT_YET = /** @type {Colour} */ ([58, 66, 70]);
+/** Lines of ground that no file has, where the overlay is off. */
+export const UNKNOWN_LINES = /** @type {Colour} */ ([92, 104, 110]);
+
+/** What beside its hue tells a state from another: dots, level lines, lines that rise, upright lines. */
+const HATCHES = [(x, y) => (x & 3) < 2 && (y & 3) < 2, () => false, (x, y) => (y & 3) < 2, (x, y) => ((x + y) & 7) < 3, (x) => (x & 3) < 2];
+
+/** A tile of 8 x 8 pixels: whether each is part of the state's hatch. */
+const tileOf = (state) => Array.from({ length: 64 }, (_, k) => HATCHES[state](k & 7, k >> 3));
+
+/** [state][pixel of the tile] a packed colour: the state's hue, darker between the lines of its hatch. */
+export const stateTiles = () => STATE_COLOURS.map((colour, state) =>
+  Uint32Array.from(tileOf(state), (line) => packed(line ? colour : colour.map((c) => Math.round(0.42 * c)))));
+
+/** [pixel of the tile] lines over what else a picture shows; 0 between them. */
+export const unknownTile = () => Uint32Array.from(tileOf(3), (line) => (line ? packed(UNKNOWN_LINES) : 0));
+
 /** A packed pixel of an ImageData, on a little-endian machine (all that browsers run on). */
 export const packed = ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
 

@@ -1,16 +1,16 @@
-// One picture with its source: a live radar, or the first pane's view rendered through another frustum.
+// One picture with its source: a live radar, or the first one's view rendered at another range scale or through another frustum.
 
+import { Annunciators } from "./annunciators.js";
 import { Bins } from "./bins.js";
+import { Levels } from "./levels.js";
 import { Ppi } from "./ppi.js";
 import { Scope } from "./scope.js";
 import { refusalText } from "./form.js";
+import { changesOf } from "./sources.js";
 import { number, utcNow_ms } from "./messages.js";
 
-const AUTO_MS = 1000; // between looks at the levels
-const SETTLED_DB = 2; // a smaller change of the best levels leaves them
-
 const MARKUP = `<div class="ppi" tabindex="0" role="application" aria-label="Radar picture"></div>
-<div class="corner source"><select class="pick" title="What this picture shows: a radar, or the same view sampled by another frustum"
+<div class="corner source"><select class="pick" title="What this picture shows: a radar, or the first one at another range scale"
  aria-label="Radar of this picture"></select><span class="about"></span></div>
 <div class="banner" hidden></div>
 <canvas class="scope" aria-label="Level over range at the cursor's bearing"></canvas>`;
@@ -19,9 +19,10 @@ export class Pane {
   /**
    * @param {HTMLElement} parent
    * @param {import("./main.js").App} app
-   * @param {string} source "radar NAME" or "frustum KIND"
+   * @param {string} source "radar NAME", "scale NM" or "frustum KIND"
+   * @param {{low: number, span: number, auto: boolean}} levels
    */
-  constructor(parent, app, source) {
+  constructor(parent, app, source, levels) {
     this.app = app;
     this.element = document.createElement("section");
     this.element.className = "pane";
@@ -30,30 +31,44 @@ export class Pane {
     this.bins = new Bins();
     this.ppi = new Ppi(this.element.querySelector(".ppi"), this.bins, app.look);
     this.scope = new Scope(this.element.querySelector(".scope"));
+    this.annunciators = new Annunciators(this.ppi.element);
     this.banner = this.element.querySelector(".banner");
     this.about = this.element.querySelector(".about");
     this.pick = this.element.querySelector(".pick");
     this.pick.onchange = () => app.choose(this, this.pick.value);
     this.source = source;
+    this.levels = new Levels(levels);
     this.info = null; // RadarInfo
     this.status = null; // RadarStatus
     this.rendered = ""; // what RenderOnce was last asked for
     this.pending = ""; // its request, while unanswered
     this.drawnFrames = 0;
-    this.auto_ms = 0;
     this.latency_ms = null;
     this.clear();
   }
 
+  get heading() {
+    return this.ppi?.heading;
+  }
   get radar() {
     return this.source.startsWith("radar ") ? this.source.slice(6) : "";
+  }
+  /** Not a live radar: each of its frames is asked for. */
+  get isRendered() {
+    return !this.radar;
+  }
+  /** In a sentence: "through the oblique frustum", "at range 12 NM". */
+  get called() {
+    return this.frustum ? `through the ${this.frustum} frustum` : `at range ${this.source.slice(6)}`;
   }
   get frustum() {
     return this.source.startsWith("frustum ") ? this.source.slice(8) : "";
   }
 
   clear() {
-    this.isSettled = false;
+    this.levels.unsettle();
+    this.heading?.forget();
+    this.newestPose = null;
     this.awaits = true; // its first picture
     this.pending = this.rendered = "";
   }
@@ -67,9 +82,11 @@ export class Pane {
       if (bins.begin(body)) ppi.refresh();
       this.says = null;
       this.awaits = false;
+      this.#pose(body.frame.pose);
       this.describe();
     } else if (type === "WedgeBlock") {
       const now_ms = performance.now();
+      if (body.pose) this.#pose(body.pose);
       // At utc_ms the server's monotonic clock stood at send_ns.
       const past_ms = utcNow_ms() + this.app.link.offset_ms - utc_ms;
       const sent_ns = number(body.send_ns);
@@ -84,26 +101,36 @@ export class Pane {
     }
   }
 
+  /** Of what comes; a picture that another up turns is laid out anew. */
+  #pose(pose) {
+    if (!pose) return;
+    this.newestPose = pose;
+    const { heading, ppi, app: { look } } = this;
+    heading.take(pose, performance.now());
+    if (look.up !== "heading" && look.up !== "course") return;
+    const { up_deg } = heading.up(look.up, this.bins.placement);
+    if (Math.abs(((up_deg - ppi.view.up_deg + 540) % 360) - 180) > 0.5) ppi.refresh();
+  }
+
   describe() {
     const { placement, descriptor } = this.bins;
     const s = descriptor.settings;
     const rows = this.element.clientWidth > 700 ? `${placement.azimuths} × ${placement.ranges} bins` : "";
-    const mode = { SECTOR_SCAN: "sector scan", CIRCULAR_SCAN: "turning" }[s.scan_mode] ?? "whole frames";
-    this.about.textContent = [`${number(s.frequency_ghz).toFixed(2)} GHz`, this.frustum ? "rendered once" : mode, rows]
-      .filter(Boolean).join(" · ");
+    this.about.textContent = [`${number(s.frequency_ghz).toFixed(2)} GHz`, rows].filter(Boolean).join(" · ");
   }
 
-  /** Black level and span by what is shown, where they are to follow it. */
+  /** Black level and span by the receiver or by what is shown, where nobody has set them. */
   level(now_ms) {
-    const { look } = this.app;
-    if (!look.auto || this !== this.app.panes[0] || (this.isSettled && now_ms - this.auto_ms < AUTO_MS)) return;
-    this.auto_ms = now_ms;
-    const best = this.bins.bestScale(this.ppi.table);
-    if (!best) return;
-    const off = Math.max(Math.abs(best.low_dB - look.low_dB), Math.abs(best.span_dB - look.span_dB));
-    if (this.isSettled && off < SETTLED_DB) return;
-    this.isSettled = true;
-    this.app.level(best.low_dB, best.span_dB);
+    const wanted = this.levels.wanted(this.bins, this.ppi.table, now_ms);
+    if (!wanted) return;
+    Object.assign(this.levels, wanted);
+    this.app.rescale(this);
+  }
+
+  /** Sets them by what is shown now; they do not follow it. */
+  levelOnce() {
+    const best = this.bins.descriptor && this.bins.bestScale(this.ppi.table);
+    if (best) this.app.level(best.low_dB, best.span_dB, this);
   }
 
   /** @param {number} now_ms */
@@ -117,15 +144,15 @@ export class Pane {
     const isNew = ppi.draw(now_ms, isHeld ? this.held_ms ?? now_ms : null);
     if (isNew || (hadMarks && !ppi.needs.marks)) this.scope.draw(bins, this.app.look, cursor && ppi.read(cursor));
     if (!isNew || isHeld) return;
-    if (!this.isSettled) this.level(now_ms);
+    if (!this.levels.isSettled) this.level(now_ms);
     const { newest } = bins;
     const passed = bins.passed.splice(0);
     if (newest && newest !== this.shownTimes) {
       this.shownTimes = newest;
       const done_ms = performance.now();
-      this.latency_ms = newest.pose_ms + done_ms - newest.at_ms;
+      this.latency_ms = this.heading.isMoving(done_ms) ? newest.pose_ms + done_ms - newest.at_ms : null; // else it is the pose's age
       this.beam_ms = bins.scan && passed.length ? passed[0] + done_ms - now_ms : null;
-      const latencies = bins.scan ? passed.map((ms) => ms + done_ms - now_ms) : [this.latency_ms];
+      const latencies = bins.scan ? passed.map((ms) => ms + done_ms - now_ms) : [newest.pose_ms + done_ms - newest.at_ms];
       this.app.meter.drew(this, latencies, bins.scan ? passed.length * bins.placement.width_deg : 0);
     }
     if (bins.frames !== this.drawnFrames) {
@@ -138,19 +165,21 @@ export class Pane {
   renderAgain(first) {
     const { link, look } = this.app;
     const d = first.bins.descriptor;
-    if (!this.frustum || this.pending || !d || !link.isLive || look.hold) return;
-    const wanted = JSON.stringify([this.frustum, d.settings, d.pose, look.overlay]);
+    if (!this.isRendered || this.pending || !d || !link.isLive || look.hold) return;
+    const withStates = this.app.wantsStates(first.radar);
+    const wanted = JSON.stringify([this.source, d.settings, d.pose, withStates]);
     if (wanted === this.rendered) return;
     this.rendered = wanted;
-    const settings = { ...d.settings, frustum: this.frustum.toUpperCase() };
+    const settings = { ...d.settings, ...changesOf(this.source, d.settings) };
+    if (settings.planes_per_bin && settings.frustum === "SWEEP") delete settings.pixel_columns;
     this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
-      planes: look.overlay ? ["VIDEO", "STATE"] : ["VIDEO"] });
+      planes: withStates ? ["VIDEO", "STATE"] : ["VIDEO"] });
   }
 
   /** The server renders no such frame. */
   refused(error) {
     this.pending = "";
-    this.says = `No picture through the ${this.frustum} frustum: ${refusalText(error)}.`;
+    this.says = `No picture ${this.called}: ${refusalText(error)}.`;
   }
 
   /** A sentence on the picture itself; nothing: none. */

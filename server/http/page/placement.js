@@ -152,6 +152,10 @@ export class Placement {
     this.antenna_deg = [lat, lon];
   }
 
+  get sector_deg() {
+    return this.azimuths * this.width_deg;
+  }
+
   get rMax_m() {
     return this.r0_m + this.ranges * this.spacing_m;
   }

@@ -1,9 +1,10 @@
 // One plan position picture: the bins through the index table and the palette, and two drawings above it.
 
-import { AGES, LEVELS, OUTSIDE, STATE_COLOURS, packed, paletteOf } from "./palettes.js";
+import { AGES, LEVELS, NOT_YET, OUTSIDE, packed, paletteOf, stateTiles, unknownTile } from "./palettes.js";
 import { BinTable, onPicture, onPlane } from "./table.js";
-import { DEGREE } from "./placement.js";
-import { drawGrid } from "./grid.js";
+import { DEGREE, turned } from "./placement.js";
+import { Heading } from "./heading.js";
+import { drawAxes, drawGrid } from "./grid.js";
 import { drawMarks } from "./marks.js";
 
 const MOST_PIXELS = 1440; // a side; above, the browser scales
@@ -12,19 +13,24 @@ const MARGIN_ABOVE_PX = 28; // their words are wider than high
 const FRAME_MS = 1000 / 30;
 const EARLY_MS = 4; // a browser's tick may come so much before its time
 const MOST_ZOOM = 200;
+const NOT_YET_PIXEL = packed(NOT_YET);
+const TILES = stateTiles().map((tile, state) => (state === 1 ? null : tile)); // the overlay
+const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
 
 /**
  * @typedef {object} Look what all panes share
  * @property {string} palette
  * @property {number} afterglow_s
- * @property {"north"|"bearing"} up
+ * @property {"auto"|"north"|"bearing"|"heading"|"course"} up
+ * @property {boolean} bscope azimuths across, ranges upwards, instead of places
+ * @property {number} px CSS pixels of one of the page's own
  * @property {boolean} slant
  * @property {"km"|"NM"} unit
  * @property {boolean} overlay
  * @property {boolean} rings
  * @property {{right_m: number, ahead_m: number, zoom: number}|null} window null: all of the sector
  * @property {{east_m: number, north_m: number}|null} cursor
- * @property {({east_m: number, north_m: number}|null)[]} markers
+ * @property {import("./lines.js").Lines} lines
  */
 
 export class Ppi {
@@ -49,7 +55,8 @@ export class Ppi {
     this.marks = marks.getContext("2d");
     this.table = new BinTable();
     this.ages = new Uint8Array(0);
-    this.width = this.height = 0; // CSS pixels
+    this.width = this.height = 0; // the page's own pixels, of look.px CSS pixels
+    this.heading = new Heading();
     this.view = { width: 1, height: 1, pixel_m: 1, right_m: 0, ahead_m: 0, up_deg: 0, slant: false };
     this.image = null;
     this.due_ms = 0; // the next picture, not before
@@ -67,6 +74,7 @@ export class Ppi {
     if (width < 8 || height < 8) return;
     const density = Math.min(devicePixelRatio || 1, 2);
     const part = Math.min(density, MOST_PIXELS / width, MOST_PIXELS / height);
+    const { px } = this.look;
     const [picture, grid, marks] = this.canvases;
     const w = Math.floor(width * part);
     const h = Math.floor(height * part);
@@ -77,9 +85,9 @@ export class Ppi {
     }
     for (const canvas of [grid, marks])
       [canvas.width, canvas.height] = [Math.round(width * density), Math.round(height * density)];
-    this.width = width;
-    this.height = height;
-    this.density = density;
+    this.width = width / px;
+    this.height = height / px;
+    this.density = density * px; // of the canvases above the picture
     this.refresh();
   }
 
@@ -98,7 +106,7 @@ export class Ppi {
   #viewNow() {
     const { placement } = this.bins;
     const [picture] = this.canvases;
-    const up_deg = this.look.up === "bearing" ? placement.bearing_deg : 0;
+    const { up_deg } = this.heading.up(this.look.up, placement);
     this.isSlant = this.look.slant || !placement.hasGround;
     const base = { width: picture.width, height: picture.height, up_deg, slant: this.isSlant };
     const fit = this.#fit(up_deg);
@@ -142,15 +150,44 @@ export class Ppi {
     return [slant_m * Math.sin(bearing_deg * DEGREE), slant_m * Math.cos(bearing_deg * DEGREE)];
   }
 
-  /** CSS pixels of a place on the plane. */
+  /** Edges of a B-scope, in the page's pixels. */
+  get box() {
+    const side = Math.min(128, this.width / 8); // room for words and legend
+    return { left: side, right: this.width - side, top: 44, bottom: this.height - 34 };
+  }
+
+  /** The page's pixels of a bearing and slant range. */
+  screenOf(bearing_deg, slant_m) {
+    if (!this.look.bscope) return this.toScreen(...this.placed(bearing_deg, slant_m));
+    const { placement } = this.bins;
+    const { left, right, top, bottom } = this.box;
+    let turn = turned(bearing_deg - placement.start_deg);
+    if (turn > 180 + placement.sector_deg / 2) turn -= 360;
+    return [left + (turn / placement.sector_deg) * (right - left),
+      bottom - ((slant_m - placement.r0_m) / (placement.rMax_m - placement.r0_m)) * (bottom - top)];
+  }
+
+  /** The page's pixels of a place on the plane. */
   toScreen(east_m, north_m) {
+    if (this.look.bscope) {
+      const { bearing_deg, slant_m } = this.#seenFrom(east_m, north_m);
+      return this.screenOf(bearing_deg, slant_m);
+    }
     const [x, y] = onPicture(this.view, east_m, north_m);
     const k = this.width / this.view.width;
     return [x * k, y * k];
   }
 
-  /** A place on the plane under CSS pixels. */
+  /** A place on the plane under the page's pixels. */
   fromScreen(x, y) {
+    if (this.look.bscope) {
+      const { placement } = this.bins;
+      const { left, right, top, bottom } = this.box;
+      const bearing_deg = placement.start_deg + ((x - left) / (right - left)) * placement.sector_deg;
+      const slant_m = placement.r0_m + ((bottom - y) / (bottom - top)) * (placement.rMax_m - placement.r0_m);
+      const [east_m, north_m] = this.placed(bearing_deg, Math.max(1, slant_m));
+      return { east_m, north_m };
+    }
     const k = this.view.width / this.width;
     const [east_m, north_m] = onPlane(this.view, x * k, y * k);
     return { east_m, north_m };
@@ -161,24 +198,26 @@ export class Ppi {
     const { bins } = this;
     const { placement } = bins;
     if (!placement) return null;
-    let seen;
-    if (this.isSlant) {
-      const slant_m = Math.hypot(east_m, north_m);
-      const bearing_deg = Math.atan2(east_m, north_m) / DEGREE;
-      seen = { slant_m, bearing_deg, ...placement.located(bearing_deg, slant_m) };
-    } else {
-      seen = placement.seen(east_m, north_m);
-    }
+    const seen = this.#seenFrom(east_m, north_m);
     const { row, column } = placement.bin(seen.bearing_deg, seen.slant_m);
     const bin = row < 0 ? -1 : row * placement.ranges + column;
     const isKnown = bin >= 0 && bins.seen_ms[row] > -Infinity;
     return { ...seen, row, column, bin, value_dB: isKnown ? bins.value_dB(bin) : null, isKnown,
-      state: isKnown && bins.hasStates ? bins.state[bin] : -1 };
+      state: isKnown && bins.hasState[row] ? bins.state[bin] : -1 };
   }
 
-  /** Zooms about CSS pixels. Begins where the last zoom or pan ended, drawn or not. */
+  /** What the antenna measures of a place on this picture's plane. */
+  #seenFrom(east_m, north_m) {
+    const { placement } = this.bins;
+    if (!this.isSlant) return placement.seen(east_m, north_m);
+    const slant_m = Math.hypot(east_m, north_m);
+    const bearing_deg = Math.atan2(east_m, north_m) / DEGREE;
+    return { slant_m, bearing_deg, ...placement.located(bearing_deg, slant_m) };
+  }
+
+  /** Zooms about the page's pixels. Begins where the last zoom or pan ended, drawn or not. */
   zoom(factor, x = this.width / 2, y = this.height / 2) {
-    if (!this.bins.placement) return;
+    if (!this.bins.placement || this.look.bscope) return;
     const view = this.#viewNow();
     const fit = this.#fit(view.up_deg);
     const zoom = Math.min(MOST_ZOOM, (fit.pixel_m / view.pixel_m) * factor);
@@ -190,7 +229,7 @@ export class Ppi {
   }
 
   pan(dx, dy) {
-    if (!this.bins.placement) return;
+    if (!this.bins.placement || this.look.bscope) return;
     const view = this.#viewNow();
     const k = (view.width / this.width) * view.pixel_m;
     const zoom = this.#fit(view.up_deg).pixel_m / view.pixel_m;
@@ -222,7 +261,7 @@ export class Ppi {
       ++this.draws;
       this.times.draw_ms = performance.now() - began;
     }
-    if (this.needs.grid) drawGrid(this);
+    if (this.needs.grid) (this.look.bscope ? drawAxes : drawGrid)(this);
     if (this.needs.marks || (rows && this.bins.scan)) drawMarks(this);
     this.needs.grid = this.needs.marks = false;
     return rows > 0;
@@ -230,7 +269,13 @@ export class Ppi {
 
   #rebuild(began) {
     this.view = this.#viewNow();
-    this.table.build(this.bins.placement, this.view);
+    if (this.look.bscope) {
+      const k = this.view.width / this.width;
+      const { left, right, top, bottom } = this.box;
+      this.table.buildB(this.bins.placement, this.view, { left: left * k, right: right * k, top: top * k, bottom: bottom * k });
+    } else {
+      this.table.build(this.bins.placement, this.view);
+    }
     this.out.fill(packed(OUTSIDE));
     this.ages = new Uint8Array(this.bins.placement.azimuths);
     this.needs.table = false;
@@ -242,7 +287,7 @@ export class Ppi {
     const { bins, table, out, palette, ages } = this;
     const { rowStart } = table;
     const perMs = bins.scan && this.look.afterglow_s > 0 ? (AGES - 1) / (1000 * this.look.afterglow_s) : 0;
-    const overlay = this.look.overlay && bins.hasStates ? STATE_COLOURS.map(packed) : null;
+    const tiles = bins.hasStates ? (this.look.overlay ? TILES : UNKNOWN_TILES) : null;
     let [top, bottom, rows] = [Infinity, -1, 0];
     for (let row = 0; row < bins.placement.azimuths; ++row) {
       const since = (clock_ms - bins.seen_ms[row]) * perMs;
@@ -254,7 +299,8 @@ export class Ppi {
       const begin = rowStart[row];
       const end = rowStart[row + 1];
       if (begin === end) continue;
-      if (overlay) drawOverlaid(out, table, begin, end, bins, palette, age * LEVELS, overlay);
+      if (tiles && bins.hasState[row]) drawStates(out, this.view.width, table, begin, end, bins, palette, age * LEVELS, tiles);
+      else if (tiles === TILES) for (let k = begin; k < end; ++k) out[table.pixels[k]] = NOT_YET_PIXEL;
       else drawPlain(out, table, begin, end, bins.shown, palette, age * LEVELS);
       top = Math.min(top, table.pixels[begin]); // pixels of a row come from above to below
       bottom = Math.max(bottom, table.pixels[end - 1]);
@@ -273,10 +319,13 @@ function drawPlain(out, { pixels, bins }, begin, end, shown, palette, age) {
   for (let k = begin; k < end; ++k) out[pixels[k]] = palette[age + shown[bins[k]]];
 }
 
-function drawOverlaid(out, { pixels, bins }, begin, end, { shown, state }, palette, age, colours) {
+/** By state, as `tiles` have it; where they have nothing (null, or 0 in a tile) the level. */
+function drawStates(out, width, { pixels, bins }, begin, end, { shown, state }, palette, age, tiles) {
   for (let k = begin; k < end; ++k) {
     const bin = bins[k];
-    const kind = state[bin];
-    out[pixels[k]] = kind === 1 ? palette[age + shown[bin]] : colours[kind] ?? colours[3];
+    const tile = tiles[state[bin]] ?? (state[bin] > 4 ? tiles[3] : null);
+    const pixel = pixels[k];
+    const colour = tile ? tile[((Math.floor(pixel / width) & 7) << 3) | (pixel % width & 7)] : 0;
+    out[pixel] = colour || palette[age + shown[bin]];
   }
 }

@@ -2,13 +2,30 @@
 
 import { Field, refusalText } from "./form.js";
 import { Refused } from "./stream.js";
+import { UNIT_M } from "./grid.js";
 import { number } from "./messages.js";
+import { turned } from "./placement.js";
 
-const SCALES_NM = [10, 20, 40, 80];
-const NM_M = 1852;
 const $ = (id) => document.getElementById(id);
 const isSame = (a_m, b_m) => Math.abs(a_m - b_m) < 20;
 const TABS = ["view", "radar", "setup"];
+const MOST_EXTENT = 256; // limits of pulse.extent_bins
+const C_MPS = 299792458;
+
+/**
+ * Settings of another range scale: what would be refused beside it comes along. A range bin that is shorter than the pulse needs more of them
+ * to hold it; near echoes begin nearer than the scale ends.
+ */
+export function scaled(settings, range_m) {
+  const change = { r_max_m: range_m };
+  if (number(settings.r_min_m) > 0.8 * range_m) change.r_min_m = range_m / 20;
+  if (settings.pulse_kind === "RECTANGULAR_PULSE") {
+    const bin_m = (range_m - number(change.r_min_m ?? settings.r_min_m)) / number(settings.range_bins, 1);
+    const needed = Math.ceil((C_MPS * number(settings.pulse_length_us) * 1e-6) / 2 / bin_m);
+    if (needed > number(settings.pulse_extent_bins)) change.pulse_extent_bins = Math.min(MOST_EXTENT, needed);
+  }
+  return change;
+}
 
 function make(tag, text, title) {
   const element = document.createElement(tag);
@@ -23,6 +40,9 @@ export class RadarControls {
     this.app = app;
     /** @type {Field[]} */
     this.fields = [];
+    /** Range scales, in metres. @type {number[]} */
+    this.scales_m = [];
+    this.scaleUnit = "NM";
     for (const name of TABS) $(`tab-${name}`).onclick = () => this.tab(name);
     document.querySelector("nav").onkeydown = (event) => {
       const by = { ArrowRight: 1, ArrowLeft: TABS.length - 1 }[event.key];
@@ -47,6 +67,7 @@ export class RadarControls {
 
   #build() {
     const panel = $("radar");
+    const { app } = this;
     const row = (name, ...children) => {
       const element = make("div", "");
       element.className = "row";
@@ -74,19 +95,21 @@ export class RadarControls {
     this.freeze = make("button", "freeze", "The radar keeps this pose and these settings (Z)");
     this.freeze.id = "freeze";
     this.freeze.onclick = () => this.toggleState("freeze");
-    row("State", choice(this.transmit, this.freeze));
-    this.scales = SCALES_NM.map((scale) => {
-      const button = make("button", String(scale), `Range scale of ${scale} nautical miles ([ and ]: smaller, greater)`);
-      button.id = `scale-${scale}`;
-      button.onclick = () => this.scale(scale);
-      return button;
-    });
-    const unit = make("span", "NM");
-    unit.className = "unit";
+    this.stop = make("button", "freeze all", "All radars stand still for all stations: clock, antenna and noise");
+    this.stop.id = "exercise-freeze";
+    this.stop.onclick = () => this.attempt(() => app.link.ask("SetExercise", { frozen: !this.info?.exercise_frozen }));
+    this.reset = make("button", "reset", "This radar goes back to the scene file's settings, pose and switches");
+    this.reset.id = "exercise-reset";
+    this.reset.onclick = () => this.attempt(() => app.link.ask("ResetExercise", { radar: this.radar }));
+    row("State", choice(this.transmit, this.freeze, this.stop, this.reset));
+    this.scales = [];
+    this.scaleUnitText = make("span", "NM");
+    this.scaleUnitText.className = "unit";
     this.own = make("button", "", "The range that this radar had at first");
     this.own.id = "scale-own";
-    this.own.onclick = () => this.scale(this.own_m / NM_M);
-    row("Range", choice(...this.scales), unit, this.own);
+    this.own.onclick = () => this.scale(this.own_m);
+    this.scaleChoice = choice();
+    row("Range", this.scaleChoice, this.scaleUnitText, this.own);
     this.general = make("p", "");
     this.general.className = "refusal";
     this.general.setAttribute("role", "alert");
@@ -100,6 +123,32 @@ export class RadarControls {
     this.all = make("div", "");
     this.all.className = "fields";
     $("setup").append(this.section, this.all);
+  }
+
+  /** The server's range scales. @param {number[]} scales @param {"NM"|"km"} unit */
+  offer(scales, unit) {
+    const scales_m = scales.map((scale) => scale * UNIT_M[unit]);
+    if (this.scales_m.join() === scales_m.join() && this.scaleUnit === unit) return;
+    [this.scales_m, this.scaleUnit] = [scales_m, unit];
+    this.scaleUnitText.textContent = unit;
+    this.scales = scales.map((scale, k) => {
+      const button = make("button", String(scale), `Range scale of ${scale} ${unit} ([ and ]: smaller, greater)`);
+      button.id = `scale-${scale}`;
+      button.onclick = () => this.scale(scales_m[k]);
+      return button;
+    });
+    this.scaleChoice.replaceChildren(...this.scales);
+    this.app.fillSources();
+    this.show();
+  }
+
+  /** To the field of the receiver's gain, where this page has control. */
+  toGain() {
+    const field = this.fields.find(({ parameter }) => parameter.key === "receiver.gain_db");
+    if (!field || !this.isMine) return;
+    this.tab("radar");
+    field.input.focus();
+    field.input.select();
   }
 
   /**
@@ -137,7 +186,33 @@ export class RadarControls {
     return this.app.panes[0].info;
   }
   get isMine() {
-    return Boolean(this.info?.controlled_by_you) && this.app.link.isLive;
+    return this.holds("SETTINGS_CLAIM") && this.app.link.isLive;
+  }
+  holds(kind) {
+    return Boolean(this.info?.claimed_by_you?.includes(kind));
+  }
+  /** Another client flies the radar. */
+  get isFlown() {
+    return Boolean(this.info?.controller) && !this.holds("POSE_CLAIM");
+  }
+
+  /**
+   * The antenna is turned by the settings' holder, its platform moved by whoever holds the pose: this page, when nobody does.
+   * @param {Record<string, any>} pose fields that change
+   */
+  async pose(pose) {
+    const { link } = this.app;
+    const { radar } = this;
+    const isAim = (field) => this.table?.some(({ aim, message_field }) => aim && message_field === `Pose.${field}`);
+    const borrows = !Object.keys(pose).every(isAim) && !this.holds("POSE_CLAIM");
+    if (!borrows && this.isFlown && "bearing_deg" in pose) // then it counts from the heading
+      pose = { ...pose, bearing_deg: turned(pose.bearing_deg - number(this.info.pose?.heading_deg)) };
+    if (borrows) await link.ask("ClaimControl", { radar, kinds: ["POSE_CLAIM"] });
+    try {
+      await link.ask("SetPose", { radar, pose });
+    } finally {
+      if (borrows) await link.ask("ReleaseControl", { radar, kinds: ["POSE_CLAIM"] });
+    }
   }
 
   async #set(field, parameter, value) {
@@ -165,7 +240,8 @@ export class RadarControls {
     const { link } = this.app;
     return this.attempt(async () => {
       if (this.isMine) await link.ask("ReleaseControl", { radar: this.radar });
-      else await link.ask("ClaimControl", { radar: this.radar, ...(this.info?.controller && { force: true }) });
+      else await link.ask("ClaimControl", { radar: this.radar, kinds: ["SETTINGS_CLAIM"],
+        ...(this.info?.settings_controller && { force: true }) });
     });
   }
 
@@ -175,17 +251,17 @@ export class RadarControls {
   }
 
   /** Rings are in the unit of the scale. */
-  scale(scale_NM) {
+  scale(range_m) {
     return this.attempt(async () => {
-      await this.app.set("RadarSettings.r_max_m", scale_NM * NM_M);
-      this.app.display.set({ unit: SCALES_NM.includes(scale_NM) ? "NM" : "km" });
+      await this.app.link.ask("SetSettings", { radar: this.radar, settings: scaled(this.info.settings, range_m) });
+      this.app.display.set({ unit: this.scales_m.includes(range_m) ? this.scaleUnit : "km" });
     });
   }
 
   nextScale(by) {
-    const now = number(this.info?.settings?.r_max_m) / NM_M;
-    const scales = [...SCALES_NM, ...(this.own_m ? [this.own_m / NM_M] : [])].sort((a, b) => a - b);
-    const found = by > 0 ? scales.find((s) => s > now + 0.01) : scales.findLast((s) => s < now - 0.01);
+    const now_m = number(this.info?.settings?.r_max_m);
+    const scales = [...this.scales_m, ...(this.own_m ? [this.own_m] : [])].sort((a, b) => a - b);
+    const found = by > 0 ? scales.find((s) => s > now_m + 20) : scales.findLast((s) => s < now_m - 20);
     return found && this.scale(found);
   }
 
@@ -195,16 +271,16 @@ export class RadarControls {
     const key = `obliq.range ${this.app.link.welcome?.scene_name} ${this.radar}`;
     if (now_m && !sessionStorage.getItem(key)) sessionStorage.setItem(key, String(now_m));
     const own_m = Number(sessionStorage.getItem(key));
-    return SCALES_NM.some((scale) => isSame(own_m, scale * NM_M)) ? 0 : own_m;
+    return this.scales_m.some((scale_m) => isSame(own_m, scale_m)) ? 0 : own_m;
   }
 
   show() {
     const { info, app } = this;
     const role = app.link.welcome?.role ?? "";
-    const holder = info?.controller ?? "";
-    this.holder.textContent = !info ? "" : app.debrief?.state ? "a recording" : info.controlled_by_you ? "this page" : holder || "nobody";
-    this.holder.title = this.holder.textContent;
     const mine = this.isMine;
+    const holder = info?.settings_controller ?? "";
+    this.holder.textContent = !info ? "" : app.debrief?.state ? "a recording" : mine ? "this page" : holder || "nobody";
+    this.holder.title = this.holder.textContent + (this.isFlown ? `; flown by ${info.controller}` : "");
     const why = app.debrief?.state ? "A recording is as it was: nothing of its radars can be set"
       : role === "viewer" ? "You may watch; to set a radar takes a token of a controller"
       : holder && !mine && role !== "admin" ? `${holder} has control; only an admin may take over` : "";
@@ -216,13 +292,20 @@ export class RadarControls {
       button.disabled = !mine;
       button.title = mine ? button.dataset.title : why || "Take control first (K)";
     }
+    const leads = app.link.isLive && Boolean(info) && !app.debrief?.state && (role === "admin" || (mine && this.holds("POSE_CLAIM")));
+    for (const button of [this.stop, this.reset]) {
+      button.disabled = !leads;
+      button.title = leads ? button.dataset.title : why || "For an admin, or who holds pose and settings";
+    }
+    this.stop.textContent = info?.exercise_frozen ? "go on" : "freeze all";
+    this.stop.setAttribute("aria-pressed", String(Boolean(info?.exercise_frozen)));
     this.transmit.textContent = info?.transmit_off ? "transmit" : "standby";
     this.transmit.setAttribute("aria-pressed", String(Boolean(info?.transmit_off)));
     this.freeze.setAttribute("aria-pressed", String(Boolean(info?.frozen)));
     const { own_m } = this;
     this.own.hidden = !own_m;
     this.own.textContent = `${+(own_m / 1000).toFixed(1)} km`;
-    for (const [button, range_m] of [[this.own, own_m], ...this.scales.map((button, k) => [button, SCALES_NM[k] * NM_M])])
+    for (const [button, range_m] of [[this.own, own_m], ...this.scales.map((button, k) => [button, this.scales_m[k]])])
       button.setAttribute("aria-pressed", String(isSame(number(info?.settings?.r_max_m), range_m)));
     if (info) for (const field of this.fields) field.show(info, mine);
     for (const pane of app.panes) {

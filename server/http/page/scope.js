@@ -24,10 +24,10 @@ export class Scope {
    */
   draw(bins, look, at) {
     const { canvas, context: c } = this;
-    const { clientWidth: width, clientHeight: height } = canvas;
+    const [width, height] = [canvas.clientWidth / look.px, canvas.clientHeight / look.px];
     const { placement } = bins;
     if (!placement || width < 40 || height < 20) return;
-    const density = Math.min(devicePixelRatio || 1, 2);
+    const density = Math.min(devicePixelRatio || 1, 2) * look.px;
     const [w, h] = [Math.round(width * density), Math.round(height * density)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     c.setTransform(density, 0, 0, density, 0, 0);

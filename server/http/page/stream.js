@@ -34,6 +34,7 @@ export class Link {
    * @param {(message: import("./messages.js").Message) => void} heard.message all that answers no request
    * @param {(state: LinkState) => void} heard.state
    * @param {(welcome: any) => void} heard.welcome
+   * @param {(scales: number[], unit: "NM"|"km") => void} heard.scales of range
    */
   constructor(heard) {
     this.heard = heard;
@@ -120,12 +121,13 @@ export class Link {
     this.socket.send(encode(type, body, ++this.sequence));
   }
 
-  /** "ready", the stage of loading, or nothing where nothing answers. */
+  /** "ready", the stage of loading, or nothing where nothing answers. With it come the range scales. */
   async #readiness() {
     try {
-      const answer = await fetch("readyz", { cache: "no-store", signal: AbortSignal.timeout(3000) });
-      const text = (await answer.text()).trim();
-      return answer.ok || !/^(loading|stopping)/.test(text) ? "ready" : text;
+      const answer = await fetch("page.json", { cache: "no-store", signal: AbortSignal.timeout(3000) });
+      const { state, range_scales, range_unit } = await answer.json();
+      this.heard.scales(range_scales, range_unit);
+      return /^(loading|stopping)/.test(state) ? state : "ready";
     } catch {
       return "";
     }

@@ -114,6 +114,32 @@ export class BinTable {
     this.#sort(count, size, azimuths);
   }
 
+  /**
+   * Of a B-scope: azimuths from left to right, ranges upwards.
+   * @param {import("./placement.js").Placement} placement
+   * @param {View} view
+   * @param {{left: number, right: number, top: number, bottom: number}} box pixels of its edges
+   */
+  buildB({ azimuths, ranges }, view, box) {
+    this.#reserve(view.width * view.height);
+    const { pixels, bins, rows } = this.scratch;
+    const count = new Int32Array(azimuths + 1);
+    let size = 0;
+    const [left, right] = [Math.ceil(box.left), Math.floor(box.right)];
+    const rowAt = Array.from({ length: right - left }, (_, k) => Math.min(azimuths - 1, Math.floor(((left + k + 0.5 - box.left) / (box.right - box.left)) * azimuths)));
+    for (let py = Math.ceil(box.top); py < Math.floor(box.bottom); ++py) {
+      const column = Math.min(ranges - 1, Math.floor(((box.bottom - py - 0.5) / (box.bottom - box.top)) * ranges));
+      for (let px = left; px < right; ++px) {
+        const row = rowAt[px - left];
+        pixels[size] = py * view.width + px;
+        bins[size] = row * ranges + column;
+        rows[size++] = row;
+        ++count[row + 1];
+      }
+    }
+    this.#sort(count, size, azimuths);
+  }
+
   #reserve(most) {
     if (this.scratch.pixels.length >= most) return;
     this.scratch = { pixels: new Int32Array(most), bins: new Int32Array(most), rows: new Uint16Array(most) };

@@ -2,6 +2,8 @@
 
 import { number } from "./messages.js";
 
+export const LEAST_COVERAGE = 0.9995; // with less there is ground that no file has
+
 /** @typedef {{grave: 0|1|2, text: string, banner?: string, panes?: import("./pane.js").Pane[]}} Sentence 2: the picture is not live; without panes: of all */
 
 /**
@@ -14,7 +16,7 @@ export function sentences(app) {
   const found = app.panes.flatMap((pane) => paneSentences(app, pane));
   const replay = app.debrief?.state;
   if (replay) found.unshift({ grave: 0, text: `A recording${replay.ended ? "; it has ended" : replay.paused ? "; paused" : ""}.` });
-  if (app.look.hold) found.unshift({ grave: 1, text: "The picture is held; press F or Hold to go on.", banner: "HELD" });
+  if (app.look.hold) found.unshift({ grave: 1, text: "The picture is held; press F or Hold to go on.", banner: "PICTURE HELD" });
   if (performance.now() < app.news?.until_ms) found.unshift({ grave: 1, text: app.news.text });
   if (app.status?.window_error) found.push({ grave: 1, text: `Ground is missing: ${app.status.window_error}.` });
   if (app.status?.window_loading) found.push({ grave: 0, text: "The server is loading the next ground." });
@@ -73,16 +75,18 @@ function paneSentences(app, pane) {
   const name = new Set(app.panes.map(({ radar }) => radar).filter(Boolean)).size > 1 ? pane.radar : "";
   const found = [];
   const say = (grave, text, banner) => found.push({ grave, text, name, banner, panes: [pane] });
-  if (pane.says) say(1, pane.says, pane.awaits || pane.frustum ? `NO PICTURE\n${pane.says}` : undefined);
+  if (pane.says) say(1, pane.says, pane.awaits || pane.isRendered ? `NO PICTURE\n${pane.says}` : undefined);
   else if (pane.awaits && !app.look.hold && !info?.transmit_off && !info?.fault)
-    say(0, `Waiting for the first picture of ${pane.radar || `the ${pane.frustum} frustum`}.`, "WAITING");
+    say(0, `Waiting for the first picture ${pane.radar ? `of ${pane.radar}` : pane.called}.`, "WAITING");
   if (info?.transmit_off) say(1, "Standby: the transmitter is off.", "STANDBY");
-  if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "FROZEN");
+  if (info?.exercise_frozen) say(1, "The exercise is frozen: all radars stand still.", "EXERCISE FROZEN");
+  else if (info?.frozen) say(1, "The radar is frozen: it keeps an older pose and older settings.", "RADAR FROZEN");
   if (info?.fault) say(2, `The radar cannot render: ${plain(info.fault)}.`, "FAULT");
+  const coverage = status?.coverage;
+  if (coverage === 0) say(1, "Off the map: no file has ground where the radar looks.", "OFF THE MAP");
   if (info?.pose_stale) say(1, "The pose is stale: no newer one has arrived in time.", "STALE POSE");
   if (info && number(info.rate_limit_hz)) say(0, `The operator limits this radar to ${number(info.rate_limit_hz)} frames/s.`);
-  const coverage = status?.coverage;
-  if (coverage !== undefined && coverage < 0.9995) {
+  if (coverage !== undefined && coverage < LEAST_COVERAGE) {
     const percent = Math.min(99.9, 100 * coverage).toFixed(coverage > 0.99 ? 1 : 0);
     const why = status.coverage_reason ? `: ${plain(status.coverage_reason)}` : "";
     say(0, `${percent} % of the sector has ground${why}.`);

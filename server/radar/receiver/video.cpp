@@ -25,7 +25,22 @@ constexpr std::size_t kSpare = 8;  // lanes of a kernel
 }  // namespace
 
 VideoScale video_scale(const RadarSettings& settings) {
-  return {video_floor_db(settings), settings.video.span_db};
+  // In range a time constant is as long as a pulse of that time; of one bin nothing would be left.
+  constexpr int kFewestBins = 2;
+  const double bins = settings.video.ftc_us * 1e-6 * kSpeedOfLight_m_s / 2 / settings.range_bin_m();
+  const int ftc_bins = settings.video.ftc_us > 0
+                           ? std::max(kFewestBins, static_cast<int>(std::lround(std::min(bins, 1e6))))
+                           : 0;
+  return {video_floor_db(settings), settings.video.span_db, ftc_bins};
+}
+
+void take_mean_away(std::span<double> power, int bins) {
+  std::vector<double> sums(power.size() + 1);  // of all before
+  for (std::size_t k = 0; k < power.size(); ++k) sums[k + 1] = sums[k] + power[k];
+  for (std::size_t k = 0; k < power.size(); ++k) {
+    const std::size_t n = std::min(k + 1, static_cast<std::size_t>(bins));
+    power[k] = std::max(0.0, power[k] - (sums[k + 1] - sums[k + 1 - n]) / static_cast<double>(n));
+  }
 }
 
 double level_ground_power_w(const RadarSettings& s, double gamma_db, double slant_range_m, double height_m) {
@@ -61,6 +76,8 @@ VideoCoder::VideoCoder(const VideoScale& scale, bool video8, bool video16, BinBl
 }
 
 void VideoCoder::code(int azimuth) {
+  if (scale_.ftc_bins > 0)
+    take_mean_away(std::span(power_).first(static_cast<std::size_t>(bins_.n_range)), scale_.ftc_bins);
   const std::size_t first = static_cast<std::size_t>(azimuth) * static_cast<std::size_t>(bins_.n_range);
   if (video8_) code(first, bins_.video8);
   if (video16_) code(first, bins_.video16);

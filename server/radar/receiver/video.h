@@ -1,6 +1,7 @@
 #pragma once
 // The plane that a display shows: powers as levels.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "server/radar/bins.h"
@@ -12,8 +13,14 @@ namespace obliq {
 struct VideoScale {
   double floor_db = 0;   ///< of level 1, in dB re the unit of power
   double span_db = 100;  ///< to the highest level
+  int ftc_bins = 0;      ///< of a fast time constant; 0: none
 };
 VideoScale video_scale(const RadarSettings& settings);
+
+/// A fast time constant: what a power has above the mean of the last `bins` range bins, its own included (of
+/// those that there are near r_min), and 0 where it has nothing. Rain, which is even in range, goes; edges
+/// stay.
+void take_mean_away(std::span<double> power, int bins);
 
 /// Where the video's scale begins, in dB re the unit of power: video.floor_db, or, if that is automatic and
 /// rounded down to a whole dB, the noise before gain and sensitivity time control (at r_max where ranges are

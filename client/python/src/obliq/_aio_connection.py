@@ -9,7 +9,7 @@ from typing import TypeVar, cast
 
 from ._connection import untrusted
 from ._requests import Door
-from ._session import Command, Session, Wait
+from ._session import Command, Request, Session, Wait
 from ._wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
 
@@ -78,6 +78,10 @@ class Connection(asyncio.BufferedProtocol):
         result = start()
         self.stir()
         return result
+
+    def tell(self, message: Request, refused: Callable[[ObliqError], object]) -> None:
+        """Sends a request whose answer nobody waits for."""
+        self.start(lambda: self.session.tell(message, refused))
 
     async def run(self, command: Command[T]) -> T:
         """What a command of the session returns."""

@@ -16,7 +16,8 @@ from . import obliq_pb2 as wire
 from ._connection import Connection
 from ._streams import Replay, Stream
 from ._assembly import Wedge
-from ._session import Command, Rendering, Session
+from ._asked import Rendering
+from ._session import Command, Session
 from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut, printable
 from .frame import Frame
 from .parameters import Pose, PoseFields, Settings, SettingsFields
@@ -97,6 +98,22 @@ class Server:
         """The message Status."""
         return self._run(self._session.call(wire.GetStatus(), wire.Status))
 
+    def exercise(self) -> wire.ExerciseState:
+        """Poses, settings, seeds, times and switches of all radars, for load_exercise()."""
+        return self._run(self._session.call(requests.of_1_2(self._session.welcome, wire.GetExercise()), wire.ExerciseState))
+
+    def load_exercise(self, state: wire.ExerciseState) -> None:
+        """Puts a state in place, all of it or nothing. This and the next two need both claims of all radars, or an admin."""
+        self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.LoadExercise(state=state))))
+
+    def reset_exercise(self, radar: str = "") -> None:
+        """A radar, or all, back to the scene file's settings, pose and switches."""
+        self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.ResetExercise(radar=radar))))
+
+    def freeze_exercise(self, on: bool) -> None:
+        """Clock, antenna and noise of all radars stand, for all clients, or go on."""
+        self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.SetExercise(frozen=bool(on)))))
+
     def measure_clock(self) -> float:
         """Seconds by which the server's clock is behind this machine's; latencies take it into account."""
         return self._run(self._session.measure_clock())
@@ -119,34 +136,35 @@ class Server:
 
     def render(self, settings: requests.SettingsLike = None, pose: requests.PoseLike = None, *, planes: Planes = None,
                encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-               timeout: float = 60.0, radar: str = "python") -> Frame:
+               timeout: float = 60.0, radar: str = "python", as_live: bool = False) -> Frame:
         """One frame for this client alone; no live radar is touched. settings, pose: objects or dicts; absent settings
-        take their defaults. planes: "iq state", or None for iq, power, count and state."""
-        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, None))
+        take their defaults; as_live: what is absent in either is as the live radar of that name has it now. planes: "iq
+        state", or None for iq, power, count and state."""
+        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, as_live, None))
         return self._run(self._session.finish_render(rendering, timeout))
 
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-                    timeout: float = 60.0, radar: str = "python", return_exceptions: Literal[False] = False,
+                    timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: Literal[False] = False,
                     seed: int | None = None) -> Iterator[Frame]: ...
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-                    timeout: float = 60.0, radar: str = "python", return_exceptions: bool,
+                    timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: bool,
                     seed: int | None = None) -> Iterator[Frame | Exception]: ...
 
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *,
                     planes: Planes = None, encoding: Encoding = "cf32", compress: Compression | None = None,
                     window: Window | None = None, timeout: float = 60.0, radar: str = "python",
-                    return_exceptions: bool = False, seed: int | None = None) -> Iterator[Any]:
+                    as_live: bool = False, return_exceptions: bool = False, seed: int | None = None) -> Iterator[Any]:
         """Frames of many poses, in their order, as many on their way as the server allows. A pose may also be a pair of
         pose and settings. return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
         from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
         say); None: all have those that their settings name."""
         in_flight = max(1, self.info.limits.max_renders_queued)
         waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]] = collections.deque()
-        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar))
+        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar, as_live))
         more = True
         try:
             while more or waiting:
@@ -292,15 +310,17 @@ class Radar:
                       requests.stream_timeout(timeout, rate_hz))
 
     @contextlib.contextmanager
-    def control(self, force: bool = False) -> Iterator[Control]:
+    def control(self, force: bool = False, claims: str | None = None) -> Iterator[Control]:
         """Claims the radar; it is released at the end, also after an exception. force: from another client, for an
-        admin."""
-        self._server._run(self._server._session.act(wire.ClaimControl(radar=self.name, force=force)))
+        admin. claims: "pose" to fly it while others may turn its knobs, "settings" to turn these while another flies it;
+        None: both."""
+        kinds = requests.claim_kinds(claims)
+        self._server._run(self._server._session.act(wire.ClaimControl(radar=self.name, force=force, kinds=kinds)))
         try:
             yield Control(self._server, self.name)
         finally:
             with contextlib.suppress(ObliqError):  # gone with the connection, or taken over by another
-                self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name)))
+                self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name, kinds=kinds)))
 
 
 class Control:
@@ -308,11 +328,26 @@ class Control:
 
     def __init__(self, server: Server, name: str):
         self._server, self.name = server, name
+        self._refused: ObliqError | None = None
 
-    def set_pose(self, pose: requests.PoseLike = None, **fields: Unpack[PoseFields]) -> requests.Accepted:
-        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion."""
-        request = requests.pose_request(self.name, pose, fields)
+    def set_pose(self, pose: requests.PoseLike = None, *, new_time_line: bool = False,
+                 **fields: Unpack[PoseFields]) -> requests.Accepted:
+        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion.
+        new_time_line: that clock was set, poses before this one are forgotten."""
+        request = requests.pose_request(self.name, pose, fields, new_time_line)
         return requests.Accepted.of(self._server._run(self._server._session.act(request)))
+
+    def send_pose(self, pose: requests.PoseLike = None, *, on_refused: Callable[[ObliqError], object] | None = None,
+                  **fields: Unpack[PoseFields]) -> None:
+        """As set_pose, without waiting for the answer: for a host that moves the antenna in a loop of its own. A refusal goes
+        to on_refused, in whichever later call it arrives; without one the next send_pose raises it."""
+        if self._refused is not None:
+            refused, self._refused = self._refused, None
+            raise refused
+        self._server._connection.tell(requests.pose_request(self.name, pose, fields), on_refused or self._keep)
+
+    def _keep(self, refusal: ObliqError) -> None:
+        self._refused = refusal
 
     def set(self, settings: requests.SettingsLike = None, **fields: Unpack[SettingsFields]) -> requests.Accepted:
         """Changes settings, all or none; the next frame has them."""

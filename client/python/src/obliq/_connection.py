@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import selectors
 import socket
 import ssl
 import threading
@@ -11,7 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import TypeVar
 
 from ._requests import Door, Tls
-from ._session import Command, Session, Wait
+from ._session import Command, Request, Session, Wait
 from ._wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
 
@@ -94,6 +95,25 @@ class Connection:
             result = start()
             self._flush()
             return result
+
+    def tell(self, message: Request, refused: Callable[[ObliqError], object]) -> None:
+        """Sends a request whose answer nobody waits for, and takes what has come: it would fill the connection."""
+        with self._alone():
+            self.session.tell(message, refused)
+            self._flush()
+            while self.session.lost is None and not self.session.has_enough() and self._has_come():
+                self._receive(0)
+            self._flush()
+            if self.session.lost is not None:
+                self._shut()
+                raise self.session.lost
+
+    def _has_come(self) -> bool:
+        if isinstance(self._socket, ssl.SSLSocket) and self._socket.pending():
+            return True
+        with selectors.DefaultSelector() as come:
+            come.register(self._socket, selectors.EVENT_READ)
+            return bool(come.select(0))
 
     def _run(self, command: Command[T]) -> T:
         error: ObliqError | None = None

@@ -97,7 +97,12 @@ class Fields:
         return {name: value for name in self.names() if (value := getattr(self, name)) is not None}
 
     def _replaced(self: F, changes: Mapping[str, Any]) -> F:
-        return type(self).of(self, "replace", **changes)
+        kept = self.as_dict()
+        # Columns that follow planes_per_bin are the server's to make: sent, they would decide.
+        both = {**kept, **changes}
+        if both.get("planes_per_bin") and both.get("frustum") == "sweep":
+            kept.pop("pixel_columns", None)
+        return type(self).of(kept, "replace", **changes)
 
     def write(self, message: M) -> M:
         """Into a protobuf message. OverflowError of a number that does not fit becomes ValueError."""

@@ -20,6 +20,7 @@ class SettingsFields(TypedDict, total=False):
     plates: Literal["spread", "nearest"] | None
     pixel_columns: int | None
     pixel_rows: int | None
+    planes_per_bin: int | None
     sub_columns: int | None
     azimuth_bins: int | None
     range_bins: int | None
@@ -58,6 +59,7 @@ class SettingsFields(TypedDict, total=False):
     video_floor_auto: bool | None
     video_floor_db: float | None
     video_span_db: float | None
+    ftc_us: float | None
     rain_mm_h: float | None
     rain_top_m: float | None
     gas: bool | None
@@ -73,6 +75,8 @@ class PoseFields(TypedDict, total=False):
     height_reference: Literal["datum", "ground", "ellipsoid"] | None
     geoid_undulation_m: float | None
     bearing_deg: float | None
+    heading_deg: float | None
+    time_rate: float | None
     sim_time_ns: int | None
     pose_id: int | None
     valid_s: float | None

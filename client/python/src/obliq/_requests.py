@@ -6,23 +6,25 @@ import ipaddress
 import os
 import ssl
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, Union
+from typing import Any, TypeVar, Union
 
 from . import _seeds
 from . import obliq_pb2 as wire
 from ._fields import hint, number
-from ._session import Subscription
+from ._asked import Subscription
 from .errors import Fault, UnknownRadar
 from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
 
 DEFAULT_PORT = 7420
+CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
 
 PoseLike = Union[Pose, PoseFields, Mapping[str, Any], None]
 SettingsLike = Union[Settings, SettingsFields, Mapping[str, Any], None]
 Wished = Union[PoseLike, tuple[PoseLike, SettingsLike]]  # a pose, or a pair of pose and settings
-Choice = tuple[Planes, str, Union[str, None], Union[Window, None], str]  # planes, encoding, compress, window, radar
-Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, Union[dict[str, int], None]]
+# planes, encoding, compress, window, radar, as_live
+Choice = tuple[Planes, str, Union[str, None], Union[Window, None], str, bool]
+Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, bool, Union[dict[str, int], None]]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,8 +65,9 @@ class ServerInfo:
 
 @dataclasses.dataclass(frozen=True)
 class RadarInfo:
-    """A radar as it is now. controller: which client controls it; empty: none. fault: why no frame can be rendered at present;
-    empty: none. pose_stale: its pose's validity has run out."""
+    """A radar as it is now. controller: which client holds its pose; empty: none; settings_controller: its settings.
+    controlled_by_me, claimed_by_me: whether that is this client, and what it holds: "pose", "settings". fault: why no frame
+    can be rendered at present; empty: none. pose_stale: its pose's validity has run out."""
 
     radar: str
     settings: Settings
@@ -79,13 +82,17 @@ class RadarInfo:
     transmit: bool
     frozen: bool
     rate_limit_hz: float
+    settings_controller: str
+    claimed_by_me: tuple[str, ...]
+    exercise_frozen: bool
 
     @staticmethod
     def of(m: wire.RadarInfo) -> RadarInfo:
         """From the message."""
         return RadarInfo(m.radar, Settings.read(m.settings), Pose.read(m.pose), m.settings_version, m.controller,
                          m.controlled_by_you, m.subscribers, m.rate_hz, m.fault, m.pose_stale, not m.transmit_off,
-                         m.frozen, m.rate_limit_hz)
+                         m.frozen, m.rate_limit_hz, m.settings_controller,
+                         tuple(name for name, kind in CLAIMS.items() if kind in m.claimed_by_you), m.exercise_frozen)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -189,15 +196,16 @@ def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, ch
 
 
 def render_request(settings: SettingsLike, pose: PoseLike, planes: Planes, encoding: str, compress: str | None,
-                   window: Window | None, radar: str,
+                   window: Window | None, radar: str, as_live: bool = False,
                    draw: dict[str, int] | None = None) -> tuple[wire.RenderOnce, tuple[str, ...]]:
-    """RenderOnce and the planes that it asks for. draw: settings that win."""
+    """RenderOnce and the planes that it asks for. as_live: what settings and pose do not name is the live radar's. draw:
+    settings that win."""
     antenna = Pose.of(pose, "pose")
-    request = wire.RenderOnce(radar=radar)
+    request = wire.RenderOnce(radar=radar, as_live=bool(as_live))
     Settings.of(settings, "settings", **(draw or {})).write(request.settings)
     antenna.write(request.pose)
     lacking = [name for name in ("latitude_deg", "longitude_deg", "height_m") if getattr(antenna, name) is None]
-    if lacking:
+    if lacking and not as_live:
         raise TypeError(f"pose: lacks {', '.join(lacking)}: a frame needs an antenna")
     return request, write_choice(request, planes, encoding, compress, window)
 
@@ -210,6 +218,27 @@ def subscription(radar: str, rate_hz: float, planes: Planes, encoding: str, comp
     return Subscription(request, names, by_wedge, copy)
 
 
+E = TypeVar("E", wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise)
+
+
+def of_1_2(welcome: wire.Welcome, request: E) -> E:
+    """A request that an older server would skip, and never answer."""
+    if welcome.minor < 2:
+        raise ValueError(f"the server speaks version 1.{welcome.minor} of the protocol; allowed: 1.2 or later")
+    return request
+
+
+def claim_kinds(claims: str | None) -> list[wire.ClaimKind]:
+    """Of names with spaces between; None: those that a request without any means."""
+    names = [] if claims is None else claims.split()
+    for name in names:
+        if name not in CLAIMS:
+            raise ValueError(f"claims: found {name!r}; allowed: {', '.join(CLAIMS)}")
+    if claims is not None and not names:
+        raise ValueError(f"claims: found nothing; allowed: {', '.join(CLAIMS)}")
+    return [CLAIMS[name] for name in names]
+
+
 def state_request(radar: str, transmit: bool | None, freeze: bool | None) -> wire.SetState:
     """What set_state() asks for."""
     request = wire.SetState(radar=radar)
@@ -220,10 +249,12 @@ def state_request(radar: str, transmit: bool | None, freeze: bool | None) -> wir
     return request
 
 
-def pose_request(radar: str, pose: PoseLike, fields: Mapping[str, Any]) -> wire.SetPose:
+def pose_request(radar: str, pose: PoseLike, fields: Mapping[str, Any], new_time_line: bool = False) -> wire.SetPose:
     """What set_pose() asks for."""
     request = wire.SetPose(radar=radar)
     Pose.of(pose, "set_pose", **fields).write(request.pose)
+    if new_time_line:
+        request.pose.new_time_line = True
     return request
 
 

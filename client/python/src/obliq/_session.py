@@ -5,24 +5,20 @@ and resumes the command when the wait is over. The blocking and the asyncio clie
 """
 from __future__ import annotations
 
-import collections
 import dataclasses
 import time
 from collections.abc import Callable, Generator
 from typing import Any, TypeVar, Union, cast
 
 from . import obliq_pb2 as wire
-from ._assembly import Assembler, Buffers, Wedge
-from ._wire import MAJOR, MINOR, Header, Message, encode
+from ._asked import Answer, Pending, Rendering, Sink, Subscription, Told
+from ._wire import MAJOR, MINOR, Message, encode
 from .errors import BadStream, ConnectionLost, FrameAborted, ObliqError, Refused, from_message
 from .frame import Frame
 
 REPLY_S = 30.0
 # Heartbeats that may fail to come before a server is taken for dead: any may be late.
 HEARTBEATS_MISSED = 3
-# Complete frames, and wedges, that wait for a slow reader before no more is read for it.
-MOST_FRAMES_WAITING = 2
-MOST_WEDGES_WAITING = 512
 
 
 @dataclasses.dataclass
@@ -38,119 +34,9 @@ T = TypeVar("T")
 Command = Generator[Wait, None, T]
 Request = Union[wire.Hello, wire.Heartbeat, wire.ListRadars, wire.GetRadar, wire.GetStatus, wire.QueryGround, wire.ClaimControl,
                 wire.ReleaseControl, wire.SetSettings, wire.SetPose, wire.SetState, wire.Subscribe, wire.Unsubscribe,
-                wire.RenderOnce, wire.SetReplay]
-Answer = Union[wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer, wire.Ack]
-A = TypeVar("A", wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer, wire.Ack)
-
-
-class Pending:
-    """A request that has not been answered."""
-
-    reply: Answer | None = None
-    error: ObliqError | None = None
-    message: Message | None = None
-
-    def __init__(self, answer: type[Answer]):
-        self.answer = answer
-
-    def done(self) -> bool:
-        return self.reply is not None or self.error is not None
-
-
-class Sink:
-    """Where the frames of a subscription or a RenderOnce go."""
-
-    def __init__(self, names: tuple[str, ...], buffers: Buffers | None = None):
-        self.names, self.buffers = names, buffers
-        self.assembler: Assembler | None = None
-        self.error: ObliqError | None = None
-        self.ready: collections.deque[Any] = collections.deque()  # whole frames or wedges
-
-    def waits(self) -> bool:
-        return not self.ready and self.error is None
-
-    def begin(self, begin: wire.FrameBegin, header: Header) -> None:
-        if self.assembler is not None:
-            raise BadStream("a frame began before the one before it ended")
-        self.assembler = Assembler(begin, header, self.names, self.buffers)
-
-    def lose(self) -> None:
-        """The connection is gone: of a frame that has begun, no more will come."""
-        self.assembler = None
-
-    def whole(self, frame: Frame) -> None:
-        """Takes a frame."""
-        self.ready.append(frame)
-
-    def aborted(self, reason: str) -> None:
-        """Takes note that a frame will not come."""
-
-    def wedge(self, rows: slice, block: wire.WedgeBlock, header: Header, offset_ns: int) -> None:
-        """Takes rows that are complete."""
-
-    def has_enough(self) -> bool:
-        """Reading on would only fill memory."""
-        return False
-
-
-class Rendering(Sink):
-    """Of one RenderOnce."""
-
-    def __init__(self, names: tuple[str, ...], request_id: int, pending: Pending):
-        super().__init__(names)
-        self.request_id, self.pending = request_id, pending
-
-    def aborted(self, reason: str) -> None:
-        self.error = FrameAborted(reason)
-
-    def over(self) -> bool:
-        """The frame is there, or will not come."""
-        return self.pending.error is not None or not self.waits()
-
-
-class Subscription(Sink):
-    """Of one radar. Where frames may be left out, a newer whole frame takes the place of one that has not been taken."""
-
-    def __init__(self, request: wire.Subscribe, names: tuple[str, ...], by_wedge: bool = False, copy: bool = True):
-        super().__init__(names, None if copy else Buffers())
-        self.request, self.by_wedge = request, by_wedge
-        self.frames_aborted = 0
-        self._skipped = 0
-        self._handed_out: Frame | None = None
-
-    def whole(self, frame: Frame) -> None:
-        if self.by_wedge:
-            return
-        if self.ready and not self.request.lossless:
-            old = self.ready.popleft()
-            self._skipped += 1 + old.frames_skipped
-            if self.buffers:
-                self.buffers.give(old)
-        frame.frames_skipped += self._skipped
-        self._skipped = 0
-        self.ready.append(frame)
-
-    def wedge(self, rows: slice, block: wire.WedgeBlock, header: Header, offset_ns: int) -> None:
-        if self.by_wedge and self.assembler is not None:
-            self.ready.append(Wedge(self.assembler.frame, rows, block, header, time.time_ns(), offset_ns))
-
-    def aborted(self, reason: str) -> None:
-        self.frames_aborted += 1
-
-    def has_enough(self) -> bool:
-        """Reading on would only fill memory: the server is to wait, or to leave frames out."""
-        if self.by_wedge:
-            return len(self.ready) >= MOST_WEDGES_WAITING
-        return self.request.lossless and len(self.ready) >= MOST_FRAMES_WAITING
-
-    def take(self) -> Any:
-        """The oldest frame or wedge."""
-        if self.buffers and self._handed_out is not None:
-            self.buffers.give(self._handed_out)
-        taken = self.ready.popleft()
-        if isinstance(taken, Frame):
-            self._handed_out = taken
-        return taken
+                wire.RenderOnce, wire.SetReplay, wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise]
+A = TypeVar("A", wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer,
+            wire.ExerciseState, wire.Ack)
 
 
 class Session:
@@ -184,9 +70,16 @@ class Session:
 
     def ask(self, message: Request, answer: type[Answer] = wire.Ack) -> Pending:
         """Puts a request on its way."""
+        return self._ask(message, Pending(answer))
+
+    def tell(self, message: Request, refused: Callable[[ObliqError], object]) -> None:
+        """The same of one whose Ack nobody waits for."""
+        self._ask(message, Told(refused))
+
+    def _ask(self, message: Request, pending: Pending) -> Pending:
         self._last_request += 1
         message.request_id = self._last_request
-        pending = self._pending[self._last_request] = Pending(answer)
+        self._pending[self._last_request] = pending
         self._send(message)
         return pending
 
@@ -233,7 +126,7 @@ class Session:
             self.replay_state = parsed, message.header.utc_ns
         elif kind == 5 and parsed.answer_wanted:
             self._send(wire.Heartbeat(request_id=parsed.request_id))
-        elif kind in (2, 3, 5, 17, 19, 28, 31):
+        elif kind in (2, 3, 5, 17, 19, 28, 31, 39):
             pending = self._pending.get(parsed.request_id)
             if pending and isinstance(parsed, pending.answer):
                 del self._pending[parsed.request_id]
@@ -246,7 +139,7 @@ class Session:
         error = from_message(message)
         pending = self._pending.pop(message.request_id, None)
         if pending:
-            pending.error = error
+            pending.refuse(error)
         elif message.request_id in self._renderings:
             self._renderings[message.request_id].error = error
         elif message.radar in self.subscriptions and message.number in (106, 110):
@@ -286,7 +179,7 @@ class Session:
 
     def has_enough(self) -> bool:
         """Nothing more is to be read for now. Not while an answer is awaited, which may be behind the frames."""
-        if self._pending or self._renderings:
+        if self._renderings or not all(isinstance(pending, Told) for pending in self._pending.values()):
             return False
         return any(sink.has_enough() for sink in self.subscriptions.values())
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from . import obliq_pb2 as wire
 from ._assembly import Wedge
-from ._session import Subscription
+from ._asked import Subscription
 from .errors import ConnectionLost, ObliqError, ServerStopping
 from .frame import Frame
 from .replay import ReplayState, seek_request

@@ -12,7 +12,7 @@ from . import obliq_pb2 as wire
 from ._crc import crc32c
 from .errors import BadStream
 
-MAJOR, MINOR = 1, 1
+MAJOR, MINOR = 1, 2
 HEADER = struct.Struct("<4sBBHHHIIIQqII")
 MOST_HEADER = 256
 MOST_DESCRIPTOR = 1 << 18
@@ -28,8 +28,9 @@ TYPES: dict[int, type[ProtobufMessage]] = {
     17: wire.RadarList, 18: wire.GetRadar, 19: wire.RadarInfo, 20: wire.ClaimControl, 21: wire.ReleaseControl,
     22: wire.SetSettings, 23: wire.SetPose, 24: wire.Subscribe, 25: wire.Unsubscribe, 26: wire.RenderOnce,
     27: wire.GetStatus, 28: wire.Status, 29: wire.SetState,
-    30: wire.QueryGround, 31: wire.GroundAnswer, 32: wire.SetReplay, 33: wire.ReplayState, 48: wire.FrameBegin, 49: wire.WedgeBlock,
-    50: wire.FrameEnd, 51: wire.FrameAbort,
+    30: wire.QueryGround, 31: wire.GroundAnswer, 32: wire.SetReplay, 33: wire.ReplayState,
+    37: wire.ResetExercise, 38: wire.GetExercise, 39: wire.ExerciseState, 40: wire.LoadExercise, 41: wire.SetExercise,
+    48: wire.FrameBegin, 49: wire.WedgeBlock, 50: wire.FrameEnd, 51: wire.FrameAbort,
 }
 NUMBERS = {kind: number for number, kind in TYPES.items()}
 # RFC 9112, RFC 4253 4.2, RFC 8446 5.1 (records of type alert and handshake), RFC 5321 and RFC 959 (220).

@@ -105,11 +105,11 @@ class UnknownRadar(Refused, LookupError):
 
 
 class NotInControl(Refused):
-    """Another client controls the radar, or none does."""
+    """Another client holds what the request takes, pose or settings, or none does."""
 
     @property
     def holder(self) -> str:
-        """What the server says of the client that controls the radar; empty: none does."""
+        """What the server says of the client that holds it; empty: none does."""
         return self.text if self.number == 102 else ""
 
 

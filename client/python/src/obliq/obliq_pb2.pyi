@@ -39,10 +39,12 @@ OFF_BEAM: BeamPattern
 OFF_ELEVATION: ElevationPattern
 OFF_PULSE: PulseKind
 POLAR: FrustumKind
+POSE_CLAIM: ClaimKind
 POWER: PlaneKind
 RECTANGULAR_PULSE: PulseKind
 RETURNS: PlaneKind
 SECTOR_SCAN: ScanMode
+SETTINGS_CLAIM: ClaimKind
 SPREAD_PLATES: PlateKind
 STATE: PlaneKind
 SWEEP: FrustumKind
@@ -114,14 +116,16 @@ class BuildingHeights(_message.Message):
     def __init__(self, file: _Optional[str] = ..., field: _Optional[str] = ..., unit: _Optional[str] = ..., found: _Optional[int] = ..., least_m: _Optional[float] = ..., median_m: _Optional[float] = ..., most_m: _Optional[float] = ..., by_default: _Optional[int] = ..., default_m: _Optional[float] = ...) -> None: ...
 
 class ClaimControl(_message.Message):
-    __slots__ = ["force", "radar", "request_id"]
+    __slots__ = ["force", "kinds", "radar", "request_id"]
     FORCE_FIELD_NUMBER: _ClassVar[int]
+    KINDS_FIELD_NUMBER: _ClassVar[int]
     RADAR_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     force: bool
+    kinds: _containers.RepeatedScalarFieldContainer[ClaimKind]
     radar: str
     request_id: int
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., force: bool = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., force: bool = ..., kinds: _Optional[_Iterable[_Union[ClaimKind, str]]] = ...) -> None: ...
 
 class ElevationModel(_message.Message):
     __slots__ = ["file", "unit", "unit_assumed"]
@@ -146,6 +150,22 @@ class Error(_message.Message):
     request_id: int
     text: str
     def __init__(self, request_id: _Optional[int] = ..., number: _Optional[int] = ..., text: _Optional[str] = ..., fields: _Optional[_Iterable[_Union[FieldFault, _Mapping]]] = ..., radar: _Optional[str] = ...) -> None: ...
+
+class ExerciseState(_message.Message):
+    __slots__ = ["build", "radars", "request_id", "scene_hash", "scene_name", "version"]
+    BUILD_FIELD_NUMBER: _ClassVar[int]
+    RADARS_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SCENE_HASH_FIELD_NUMBER: _ClassVar[int]
+    SCENE_NAME_FIELD_NUMBER: _ClassVar[int]
+    VERSION_FIELD_NUMBER: _ClassVar[int]
+    build: str
+    radars: _containers.RepeatedCompositeFieldContainer[RadarState]
+    request_id: int
+    scene_hash: str
+    scene_name: str
+    version: int
+    def __init__(self, request_id: _Optional[int] = ..., version: _Optional[int] = ..., scene_hash: _Optional[str] = ..., scene_name: _Optional[str] = ..., build: _Optional[str] = ..., radars: _Optional[_Iterable[_Union[RadarState, _Mapping]]] = ...) -> None: ...
 
 class FieldFault(_message.Message):
     __slots__ = ["allowed", "field", "found"]
@@ -309,6 +329,12 @@ class FrameSummary(_message.Message):
     warnings: _containers.RepeatedScalarFieldContainer[str]
     def __init__(self, frame_id: _Optional[int] = ..., rays: _Optional[int] = ..., hits: _Optional[int] = ..., samples: _Optional[int] = ..., rejected: _Optional[int] = ..., coverage: _Optional[float] = ..., buildings_seen: _Optional[int] = ..., repaired: _Optional[int] = ..., lit_bins: _Optional[int] = ..., unsampled_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ...) -> None: ...
 
+class GetExercise(_message.Message):
+    __slots__ = ["request_id"]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ...) -> None: ...
+
 class GetRadar(_message.Message):
     __slots__ = ["radar", "request_id"]
     RADAR_FIELD_NUMBER: _ClassVar[int]
@@ -397,6 +423,14 @@ class ListRadars(_message.Message):
     request_id: int
     def __init__(self, request_id: _Optional[int] = ...) -> None: ...
 
+class LoadExercise(_message.Message):
+    __slots__ = ["request_id", "state"]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    request_id: int
+    state: ExerciseState
+    def __init__(self, request_id: _Optional[int] = ..., state: _Optional[_Union[ExerciseState, _Mapping]] = ...) -> None: ...
+
 class LoadedGround(_message.Message):
     __slots__ = ["building_heights", "elevation", "highest_m", "lowest_m", "water_km2"]
     BUILDING_HEIGHTS_FIELD_NUMBER: _ClassVar[int]
@@ -430,30 +464,36 @@ class Material(_message.Message):
     def __init__(self, name: _Optional[str] = ..., model: _Optional[str] = ..., gamma: _Optional[float] = ..., reflectivity: _Optional[float] = ..., rms_slope: _Optional[float] = ..., plate_tau: _Optional[float] = ..., plate_exponent: _Optional[float] = ...) -> None: ...
 
 class Pose(_message.Message):
-    __slots__ = ["bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "pose_id", "sim_time_ns", "tilt_auto", "tilt_deg", "valid_s"]
+    __slots__ = ["bearing_deg", "geoid_undulation_m", "heading_deg", "height_m", "height_reference", "latitude_deg", "longitude_deg", "new_time_line", "pose_id", "sim_time_ns", "tilt_auto", "tilt_deg", "time_rate", "valid_s"]
     BEARING_DEG_FIELD_NUMBER: _ClassVar[int]
     GEOID_UNDULATION_M_FIELD_NUMBER: _ClassVar[int]
+    HEADING_DEG_FIELD_NUMBER: _ClassVar[int]
     HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
     HEIGHT_REFERENCE_FIELD_NUMBER: _ClassVar[int]
     LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
     LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    NEW_TIME_LINE_FIELD_NUMBER: _ClassVar[int]
     POSE_ID_FIELD_NUMBER: _ClassVar[int]
     SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
     TILT_AUTO_FIELD_NUMBER: _ClassVar[int]
     TILT_DEG_FIELD_NUMBER: _ClassVar[int]
+    TIME_RATE_FIELD_NUMBER: _ClassVar[int]
     VALID_S_FIELD_NUMBER: _ClassVar[int]
     bearing_deg: float
     geoid_undulation_m: float
+    heading_deg: float
     height_m: float
     height_reference: HeightReference
     latitude_deg: float
     longitude_deg: float
+    new_time_line: bool
     pose_id: int
     sim_time_ns: int
     tilt_auto: bool
     tilt_deg: float
+    time_rate: float
     valid_s: float
-    def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ..., tilt_deg: _Optional[float] = ..., tilt_auto: bool = ...) -> None: ...
+    def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ..., tilt_deg: _Optional[float] = ..., tilt_auto: bool = ..., heading_deg: _Optional[float] = ..., new_time_line: bool = ..., time_rate: _Optional[float] = ...) -> None: ...
 
 class QueryGround(_message.Message):
     __slots__ = ["antenna", "bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "radar", "range_m", "request_id"]
@@ -480,9 +520,11 @@ class QueryGround(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., antenna: _Optional[_Union[Pose, _Mapping]] = ..., latitude_deg: _Optional[_Iterable[float]] = ..., longitude_deg: _Optional[_Iterable[float]] = ..., bearing_deg: _Optional[_Iterable[float]] = ..., range_m: _Optional[_Iterable[float]] = ..., height_m: _Optional[_Iterable[float]] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ...) -> None: ...
 
 class RadarInfo(_message.Message):
-    __slots__ = ["controlled_by_you", "controller", "fault", "frozen", "late_poses", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "settings", "settings_version", "subscribers", "transmit_off"]
+    __slots__ = ["claimed_by_you", "controlled_by_you", "controller", "exercise_frozen", "fault", "frozen", "late_poses", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "settings", "settings_controller", "settings_version", "subscribers", "transmit_off"]
+    CLAIMED_BY_YOU_FIELD_NUMBER: _ClassVar[int]
     CONTROLLED_BY_YOU_FIELD_NUMBER: _ClassVar[int]
     CONTROLLER_FIELD_NUMBER: _ClassVar[int]
+    EXERCISE_FROZEN_FIELD_NUMBER: _ClassVar[int]
     FAULT_FIELD_NUMBER: _ClassVar[int]
     FROZEN_FIELD_NUMBER: _ClassVar[int]
     LATE_POSES_FIELD_NUMBER: _ClassVar[int]
@@ -492,12 +534,15 @@ class RadarInfo(_message.Message):
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     RATE_LIMIT_HZ_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_CONTROLLER_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
     SUBSCRIBERS_FIELD_NUMBER: _ClassVar[int]
     TRANSMIT_OFF_FIELD_NUMBER: _ClassVar[int]
+    claimed_by_you: _containers.RepeatedScalarFieldContainer[ClaimKind]
     controlled_by_you: bool
     controller: str
+    exercise_frozen: bool
     fault: str
     frozen: bool
     late_poses: int
@@ -508,10 +553,11 @@ class RadarInfo(_message.Message):
     rate_limit_hz: float
     request_id: int
     settings: RadarSettings
+    settings_controller: str
     settings_version: int
     subscribers: int
     transmit_off: bool
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., controller: _Optional[str] = ..., controlled_by_you: bool = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., fault: _Optional[str] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., controller: _Optional[str] = ..., controlled_by_you: bool = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., fault: _Optional[str] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., claimed_by_you: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., exercise_frozen: bool = ...) -> None: ...
 
 class RadarList(_message.Message):
     __slots__ = ["radars", "request_id"]
@@ -522,7 +568,7 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_width_deg", "frequency_ghz", "frustum", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
+    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_width_deg", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
     ADC_BITS_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_TEMPERATURE_K_FIELD_NUMBER: _ClassVar[int]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -536,6 +582,7 @@ class RadarSettings(_message.Message):
     BEAM_WIDTH_DEG_FIELD_NUMBER: _ClassVar[int]
     FREQUENCY_GHZ_FIELD_NUMBER: _ClassVar[int]
     FRUSTUM_FIELD_NUMBER: _ClassVar[int]
+    FTC_US_FIELD_NUMBER: _ClassVar[int]
     FULL_SCALE_DBM_FIELD_NUMBER: _ClassVar[int]
     GAIN_DB_FIELD_NUMBER: _ClassVar[int]
     GAS_FIELD_NUMBER: _ClassVar[int]
@@ -546,6 +593,7 @@ class RadarSettings(_message.Message):
     NOISE_SEED_FIELD_NUMBER: _ClassVar[int]
     PIXEL_COLUMNS_FIELD_NUMBER: _ClassVar[int]
     PIXEL_ROWS_FIELD_NUMBER: _ClassVar[int]
+    PLANES_PER_BIN_FIELD_NUMBER: _ClassVar[int]
     PLATES_FIELD_NUMBER: _ClassVar[int]
     POLARISATION_FIELD_NUMBER: _ClassVar[int]
     POWER_W_FIELD_NUMBER: _ClassVar[int]
@@ -591,6 +639,7 @@ class RadarSettings(_message.Message):
     beam_width_deg: float
     frequency_ghz: float
     frustum: FrustumKind
+    ftc_us: float
     full_scale_dbm: float
     gain_db: float
     gas: bool
@@ -601,6 +650,7 @@ class RadarSettings(_message.Message):
     noise_seed: int
     pixel_columns: int
     pixel_rows: int
+    planes_per_bin: int
     plates: PlateKind
     polarisation: Polarisation
     power_w: float
@@ -633,10 +683,26 @@ class RadarSettings(_message.Message):
     video_floor_db: float
     video_looks: int
     video_span_db: float
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ...) -> None: ...
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., ftc_us: _Optional[float] = ...) -> None: ...
+
+class RadarState(_message.Message):
+    __slots__ = ["frozen", "pose", "radar", "rate_limit_hz", "settings", "transmit_off"]
+    FROZEN_FIELD_NUMBER: _ClassVar[int]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RATE_LIMIT_HZ_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    TRANSMIT_OFF_FIELD_NUMBER: _ClassVar[int]
+    frozen: bool
+    pose: Pose
+    radar: str
+    rate_limit_hz: float
+    settings: RadarSettings
+    transmit_off: bool
+    def __init__(self, radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ...) -> None: ...
 
 class RadarStatus(_message.Message):
-    __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_version", "subscribers", "transmit_off"]
+    __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_controller", "settings_version", "subscribers", "transmit_off"]
     CONTROLLER_FIELD_NUMBER: _ClassVar[int]
     COVERAGE_FIELD_NUMBER: _ClassVar[int]
     COVERAGE_REASON_FIELD_NUMBER: _ClassVar[int]
@@ -654,6 +720,7 @@ class RadarStatus(_message.Message):
     RADAR_FIELD_NUMBER: _ClassVar[int]
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     RATE_LIMIT_HZ_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_CONTROLLER_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
     SUBSCRIBERS_FIELD_NUMBER: _ClassVar[int]
     TRANSMIT_OFF_FIELD_NUMBER: _ClassVar[int]
@@ -674,21 +741,25 @@ class RadarStatus(_message.Message):
     radar: str
     rate_hz: float
     rate_limit_hz: float
+    settings_controller: str
     settings_version: int
     subscribers: int
     transmit_off: bool
-    def __init__(self, radar: _Optional[str] = ..., controller: _Optional[str] = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., frames: _Optional[int] = ..., last_render_s: _Optional[float] = ..., settings_version: _Optional[int] = ..., fault: _Optional[str] = ..., live_frames: _Optional[int] = ..., live_bytes: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., frames_shed: _Optional[int] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., dwells_missed: _Optional[int] = ..., coverage: _Optional[float] = ..., coverage_reason: _Optional[str] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ...) -> None: ...
+    def __init__(self, radar: _Optional[str] = ..., controller: _Optional[str] = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., frames: _Optional[int] = ..., last_render_s: _Optional[float] = ..., settings_version: _Optional[int] = ..., fault: _Optional[str] = ..., live_frames: _Optional[int] = ..., live_bytes: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., frames_shed: _Optional[int] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., dwells_missed: _Optional[int] = ..., coverage: _Optional[float] = ..., coverage_reason: _Optional[str] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ...) -> None: ...
 
 class ReleaseControl(_message.Message):
-    __slots__ = ["radar", "request_id"]
+    __slots__ = ["kinds", "radar", "request_id"]
+    KINDS_FIELD_NUMBER: _ClassVar[int]
     RADAR_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    kinds: _containers.RepeatedScalarFieldContainer[ClaimKind]
     radar: str
     request_id: int
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., kinds: _Optional[_Iterable[_Union[ClaimKind, str]]] = ...) -> None: ...
 
 class RenderOnce(_message.Message):
-    __slots__ = ["compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "video_bits", "window"]
+    __slots__ = ["as_live", "compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "video_bits", "window"]
+    AS_LIVE_FIELD_NUMBER: _ClassVar[int]
     COMPRESSION_FIELD_NUMBER: _ClassVar[int]
     IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
     PLANES_FIELD_NUMBER: _ClassVar[int]
@@ -698,6 +769,7 @@ class RenderOnce(_message.Message):
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
     VIDEO_BITS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_FIELD_NUMBER: _ClassVar[int]
+    as_live: bool
     compression: CompressionKind
     iq_encoding: IqEncodingKind
     planes: _containers.RepeatedScalarFieldContainer[PlaneKind]
@@ -707,7 +779,7 @@ class RenderOnce(_message.Message):
     settings: RadarSettings
     video_bits: int
     window: BinWindow
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ..., as_live: bool = ...) -> None: ...
 
 class ReplayState(_message.Message):
     __slots__ = ["duration_s", "ended", "loop", "paused", "position_s", "radar", "running", "seeks", "sim_time_ns", "speed", "start_utc_ns"]
@@ -735,6 +807,14 @@ class ReplayState(_message.Message):
     start_utc_ns: int
     def __init__(self, radar: _Optional[str] = ..., start_utc_ns: _Optional[int] = ..., duration_s: _Optional[float] = ..., position_s: _Optional[float] = ..., speed: _Optional[float] = ..., paused: bool = ..., running: bool = ..., loop: bool = ..., ended: bool = ..., sim_time_ns: _Optional[int] = ..., seeks: _Optional[int] = ...) -> None: ...
 
+class ResetExercise(_message.Message):
+    __slots__ = ["radar", "request_id"]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    radar: str
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
+
 class ScanPass(_message.Message):
     __slots__ = ["begin_ns", "clockwise", "dwell_bins", "mode", "rate_deg_s"]
     BEGIN_NS_FIELD_NUMBER: _ClassVar[int]
@@ -748,6 +828,14 @@ class ScanPass(_message.Message):
     mode: ScanMode
     rate_deg_s: float
     def __init__(self, mode: _Optional[_Union[ScanMode, str]] = ..., clockwise: bool = ..., rate_deg_s: _Optional[float] = ..., dwell_bins: _Optional[int] = ..., begin_ns: _Optional[int] = ...) -> None: ...
+
+class SetExercise(_message.Message):
+    __slots__ = ["frozen", "request_id"]
+    FROZEN_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    frozen: bool
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., frozen: bool = ...) -> None: ...
 
 class SetPose(_message.Message):
     __slots__ = ["pose", "radar", "request_id"]
@@ -810,9 +898,10 @@ class SourceError(_message.Message):
     def __init__(self, posts: _Optional[int] = ..., median_m: _Optional[float] = ..., p95_m: _Optional[float] = ..., rms_m: _Optional[float] = ..., greatest_m: _Optional[float] = ...) -> None: ...
 
 class Status(_message.Message):
-    __slots__ = ["bytes_sent", "clients", "frames_dropped", "radars", "renders_queued", "request_id", "server_name", "server_version", "uptime_s", "window_error", "window_failure", "window_failures", "window_loading", "window_well_s", "windows_loaded"]
+    __slots__ = ["bytes_sent", "clients", "exercise_frozen", "frames_dropped", "radars", "renders_queued", "request_id", "server_name", "server_version", "uptime_s", "window_error", "window_failure", "window_failures", "window_loading", "window_well_s", "windows_loaded"]
     BYTES_SENT_FIELD_NUMBER: _ClassVar[int]
     CLIENTS_FIELD_NUMBER: _ClassVar[int]
+    EXERCISE_FROZEN_FIELD_NUMBER: _ClassVar[int]
     FRAMES_DROPPED_FIELD_NUMBER: _ClassVar[int]
     RADARS_FIELD_NUMBER: _ClassVar[int]
     RENDERS_QUEUED_FIELD_NUMBER: _ClassVar[int]
@@ -828,6 +917,7 @@ class Status(_message.Message):
     WINDOW_WELL_S_FIELD_NUMBER: _ClassVar[int]
     bytes_sent: int
     clients: int
+    exercise_frozen: bool
     frames_dropped: int
     radars: _containers.RepeatedCompositeFieldContainer[RadarStatus]
     renders_queued: int
@@ -841,7 +931,7 @@ class Status(_message.Message):
     window_loading: bool
     window_well_s: float
     windows_loaded: int
-    def __init__(self, request_id: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., uptime_s: _Optional[float] = ..., clients: _Optional[int] = ..., frames_dropped: _Optional[int] = ..., bytes_sent: _Optional[int] = ..., renders_queued: _Optional[int] = ..., radars: _Optional[_Iterable[_Union[RadarStatus, _Mapping]]] = ..., windows_loaded: _Optional[int] = ..., window_loading: bool = ..., window_failures: _Optional[int] = ..., window_error: _Optional[str] = ..., window_failure: _Optional[str] = ..., window_well_s: _Optional[float] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., uptime_s: _Optional[float] = ..., clients: _Optional[int] = ..., frames_dropped: _Optional[int] = ..., bytes_sent: _Optional[int] = ..., renders_queued: _Optional[int] = ..., radars: _Optional[_Iterable[_Union[RadarStatus, _Mapping]]] = ..., windows_loaded: _Optional[int] = ..., window_loading: bool = ..., window_failures: _Optional[int] = ..., window_error: _Optional[str] = ..., window_failure: _Optional[str] = ..., window_well_s: _Optional[float] = ..., exercise_frozen: bool = ...) -> None: ...
 
 class Subscribe(_message.Message):
     __slots__ = ["compression", "iq_encoding", "lossless", "planes", "radar", "rate_hz", "request_id", "video_bits", "window"]
@@ -980,4 +1070,7 @@ class IqEncodingKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
 
 class CompressionKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+
+class ClaimKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()

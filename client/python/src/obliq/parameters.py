@@ -37,6 +37,9 @@ class Settings(Fields):
         least one each half degree. frustum.pixels sets columns and rows. Allowed: integer 1 to 16384.
     pixel_rows: Pixels along range; the sweep has none. frustum.pixels = [columns, rows] sets both. Allowed: integer 1 to
         16384.
+    planes_per_bin: Planes in each azimuth bin, of the sweep, where frustum.pixel_columns is not named beside it; 0: as
+        frustum.quality says. Planes follow the bins, so that a narrower sector of fewer bins costs less. Allowed: integer 0
+        to 1024.
     sub_columns: Parts of an azimuth bin that see its buildings, of the sweep; 16 or more, a power of two or the next one;
         0: exact planes at each building. Allowed: integer 0 to 1024.
     azimuth_bins: Azimuth bins in the sector. Allowed: integer 1 to 8192.
@@ -88,6 +91,8 @@ class Settings(Fields):
     video_floor_db: Power at which the video's scale begins; "auto" in a scene file is video.floor_auto. Allowed: number
         -400 to 400 dB.
     video_span_db: From there to the video's highest level. Allowed: number 1 to 400 dB.
+    ftc_us: Fast time constant: the video is what a bin has above its mean over this time of range, so that rain goes and
+        edges stay; 0: none. Allowed: number 0 to 1000 us.
     rain_mm_h: Rain everywhere up to rain_top_m: attenuation and an echo of its own. Allowed: number 0 to 200 mm/h.
     rain_top_m: Height of the rain's top above the datum. Allowed: number -1000 to 20000 m.
     gas: Attenuation by oxygen and water vapour of the standard atmosphere at sea level. Allowed: true | false.
@@ -107,6 +112,7 @@ class Settings(Fields):
     plates: Literal["spread", "nearest"] | None = None
     pixel_columns: int | None = None
     pixel_rows: int | None = None
+    planes_per_bin: int | None = None
     sub_columns: int | None = None
     azimuth_bins: int | None = None
     range_bins: int | None = None
@@ -145,6 +151,7 @@ class Settings(Fields):
     video_floor_auto: bool | None = None
     video_floor_db: float | None = None
     video_span_db: float | None = None
+    ftc_us: float | None = None
     rain_mm_h: float | None = None
     rain_top_m: float | None = None
     gas: bool | None = None
@@ -231,6 +238,7 @@ Settings.keys = {
     "frustum.plates": "plates",
     "frustum.pixel_columns": "pixel_columns",
     "frustum.pixel_rows": "pixel_rows",
+    "frustum.planes_per_bin": "planes_per_bin",
     "frustum.sub_columns": "sub_columns",
     "bins.azimuth": "azimuth_bins",
     "bins.range": "range_bins",
@@ -269,6 +277,7 @@ Settings.keys = {
     "video.floor_auto": "video_floor_auto",
     "video.floor_db": "video_floor_db",
     "video.span_db": "video_span_db",
+    "video.ftc_us": "ftc_us",
     "atmosphere.rain_mm_h": "rain_mm_h",
     "atmosphere.rain_top_m": "rain_top_m",
     "atmosphere.gas": "gas",
@@ -290,6 +299,10 @@ class Pose(Fields):
     geoid_undulation_m: Height of the datum above the ellipsoid at the antenna; used with "ellipsoid" only. Allowed: number
         -120 to 120 m.
     bearing_deg: Centre of the sector, clockwise from true north at the antenna. Allowed: number -360 to 360 deg.
+    heading_deg: Heading of the platform that carries the antenna, true; a scene file that names none gets the bearing.
+        Allowed: number -360 to 360 deg.
+    time_rate: Seconds of the controller's clock in a second: 10 where an exercise runs ten times as fast. Allowed: number
+        0.001 to 1000.
     sim_time_ns: Time of the pose by the controller's clock; the server interpolates between poses that have one. Allowed:
         integer -4e+18 to 4e+18 ns.
     pose_id: The controller's number for the pose; echoed, not used. Allowed: non-negative integer.
@@ -306,6 +319,8 @@ class Pose(Fields):
     height_reference: Literal["datum", "ground", "ellipsoid"] | None = None
     geoid_undulation_m: float | None = None
     bearing_deg: float | None = None
+    heading_deg: float | None = None
+    time_rate: float | None = None
     sim_time_ns: int | None = None
     pose_id: int | None = None
     valid_s: float | None = None
@@ -331,6 +346,8 @@ Pose.keys = {
     "antenna.height_reference": "height_reference",
     "antenna.geoid_undulation_m": "geoid_undulation_m",
     "antenna.bearing_deg": "bearing_deg",
+    "antenna.heading_deg": "heading_deg",
+    "antenna.time_rate": "time_rate",
     "antenna.sim_time_ns": "sim_time_ns",
     "antenna.pose_id": "pose_id",
     "antenna.valid_s": "valid_s",

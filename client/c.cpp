@@ -1,0 +1,373 @@
+#include "client/c.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "client/client.h"
+#include "client/frame_assembler.h"
+#include "client/settings_text.h"
+#include "proto/ground_record.h"
+#include "proto/obliq.pb.h"
+
+using namespace obliq;
+using client::Outcome;
+using client::Status;
+
+static_assert(static_cast<int>(Outcome::untrusted) == OBLIQ_UNTRUSTED &&
+              static_cast<int>(Outcome::refused) == OBLIQ_REFUSED);
+static_assert(wire::plane_bit(wire::Plane::iq) == OBLIQ_IQ &&
+              wire::plane_bit(wire::Plane::video) == OBLIQ_VIDEO);
+static_assert(sizeof(std::complex<float>) == 2 * sizeof(float));
+
+namespace {
+
+/// Frames of several streams at a time, each with the planes that were asked for.
+class Frames : public client::FrameHandler {
+ public:
+  std::map<std::string, wire::PlaneSet> of_radar;      ///< planes of subscriptions
+  std::map<std::uint64_t, wire::PlaneSet> of_request;  ///< of single frames
+  std::deque<client::AssembledFrame> whole;            ///< of a subscription the newest alone
+  std::string aborted;                                 ///< why a single frame does not come
+
+  Status on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) override {
+    const auto asked = of_request.find(begin.request_id());
+    const auto watched = of_radar.find(begin.frame().radar());
+    if (asked == of_request.end() && watched == of_radar.end()) return {};  // no longer wanted
+    const wire::PlaneSet planes = asked != of_request.end() ? asked->second : watched->second;
+    Stream& stream = streams_[header.stream_id];
+    if (stream.frames == nullptr || stream.planes != planes)
+      stream = {planes, std::make_unique<client::FrameAssembler>(planes)};
+    return stream.frames->on_begin(header, begin);
+  }
+  Status on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
+                  std::span<const std::byte> values) override {
+    const auto stream = streams_.find(header.stream_id);
+    return stream == streams_.end() ? Status{} : stream->second.frames->on_block(header, block, values);
+  }
+  Status on_end(const wire::MessageHeader& header, const wire::FrameEnd& end) override {
+    const auto stream = streams_.find(header.stream_id);
+    if (stream == streams_.end()) return {};
+    client::FrameAssembler& frames = *stream->second.frames;
+    if (Status status = frames.on_end(header, end); !status.ok()) return status;
+    if (frames.state() != client::FrameAssembler::State::complete) return {};
+    client::AssembledFrame frame = frames.take();
+    if (frame.request_id != 0) {
+      of_request.erase(frame.request_id);
+      streams_.erase(stream);
+    } else {
+      const auto is_older = [&](const client::AssembledFrame& other) {
+        return other.request_id == 0 && other.descriptor->radar() == frame.descriptor->radar();
+      };
+      for (const client::AssembledFrame& other : whole)
+        if (is_older(other)) frame.frames_skipped += other.frames_skipped + 1;
+      std::erase_if(whole, is_older);
+    }
+    whole.push_back(std::move(frame));
+    return {};
+  }
+  Status on_abort(const wire::MessageHeader& header, const wire::FrameAbort& abort) override {
+    streams_.erase(header.stream_id);
+    if (of_request.erase(abort.request_id()) > 0) aborted = abort.reason();
+    return {};
+  }
+  void on_lost() override { streams_.clear(); }
+
+ private:
+  struct Stream {
+    wire::PlaneSet planes = 0;
+    std::unique_ptr<client::FrameAssembler> frames;
+  };
+  std::map<std::uint32_t, Stream> streams_;
+};
+
+}  // namespace
+
+struct obliq_client {
+  client::Client client;
+  Frames frames;
+  client::AssembledFrame shown;  ///< what the newest obliq_frame points into
+  std::string radar;             ///< its name
+  std::string error;
+  std::uint32_t number = 0;
+};
+
+namespace {
+
+constexpr std::int64_t kNoTime = std::numeric_limits<std::int64_t>::min();
+
+/// What a caller may leave out.
+std::string text_of(const char* text) { return text != nullptr ? text : ""; }
+
+Status bad(const std::string& text) { return Status::failure(Outcome::bad_argument, text); }
+
+/// Runs a call; whatever it ends with becomes a number and a sentence.
+template <class Call>
+int guarded(obliq_client* self, Call call) noexcept {
+  if (self == nullptr) return OBLIQ_BAD_ARGUMENT;
+  try {
+    const Status status = call();
+    self->number = status.number;
+    self->error = status.ok() ? "" : status.sentence();
+    return static_cast<int>(status.outcome);
+  } catch (const std::exception& e) {
+    self->number = 0;
+    try {
+      self->error = e.what();
+    } catch (...) {  // no memory for the words either
+      self->error.clear();
+    }
+  } catch (...) {
+    self->number = 0;
+  }
+  return OBLIQ_FAILED;
+}
+
+void write(const obliq_pose& from, wire::Pose& to) {
+  if (!std::isnan(from.latitude_deg)) to.set_latitude_deg(from.latitude_deg);
+  if (!std::isnan(from.longitude_deg)) to.set_longitude_deg(from.longitude_deg);
+  if (!std::isnan(from.height_m)) to.set_height_m(from.height_m);
+  if (!std::isnan(from.bearing_deg)) to.set_bearing_deg(from.bearing_deg);
+  if (!std::isnan(from.tilt_deg)) to.set_tilt_deg(from.tilt_deg);
+  if (!std::isnan(from.valid_s)) to.set_valid_s(from.valid_s);
+  if (from.sim_time_ns != kNoTime) to.set_sim_time_ns(from.sim_time_ns);
+  if (from.pose_id != 0) to.set_pose_id(from.pose_id);
+}
+
+obliq_pose read(const wire::Pose& from) {
+  return {from.latitude_deg(),
+          from.longitude_deg(),
+          from.height_m(),
+          from.bearing_deg(),
+          from.tilt_deg(),
+          from.valid_s(),
+          from.has_sim_time_ns() ? from.sim_time_ns() : kNoTime,
+          from.pose_id()};
+}
+
+Status read_planes(unsigned planes, google::protobuf::RepeatedField<int>& list) {
+  if (planes == 0 || (planes & ~unsigned{wire::kEveryPlane}) != 0)
+    return bad("planes: found " + std::to_string(planes) + "; allowed: a sum of obliq_planes");
+  for (int plane = 0; plane < wire::kPlanes; ++plane)
+    if ((planes >> plane & 1u) != 0) list.Add(plane);
+  return {};
+}
+
+template <class Value>
+const Value* plane_or_null(const std::vector<Value>& plane) {
+  return plane.empty() ? nullptr : plane.data();
+}
+
+void show(obliq_client& self, obliq_frame& to) {
+  const client::AssembledFrame& frame = self.shown;
+  const wire::FrameDescriptor& d = *frame.descriptor;
+  self.radar = d.radar();
+  to = {self.radar.c_str(),
+        d.frame_id(),
+        frame.request_id,
+        frame.frames_skipped,
+        frame.n_azimuth,
+        frame.n_range,
+        d.azimuth_start_deg(),
+        d.azimuth_width_deg(),
+        d.range_start_m(),
+        d.range_spacing_m(),
+        d.video_floor_db(),
+        d.settings().video_span_db(),
+        read(d.pose()),
+        reinterpret_cast<const float*>(plane_or_null(frame.iq)),
+        plane_or_null(frame.power_w),
+        plane_or_null(frame.count),
+        plane_or_null(frame.state),
+        plane_or_null(frame.video),
+        plane_or_null(frame.material),
+        plane_or_null(frame.building),
+        plane_or_null(frame.height_m),
+        plane_or_null(frame.returns)};
+}
+
+int seen(wire::Sight sight) {
+  if (sight == wire::Sight::visible) return 1;
+  const bool hidden = sight == wire::Sight::behind_ground || sight == wire::Sight::behind_building ||
+                      sight == wire::Sight::below_ground || sight == wire::Sight::inside_building;
+  return hidden ? 0 : -1;
+}
+
+}  // namespace
+
+extern "C" {
+
+obliq_client* obliq_open(void) {
+  try {
+    return new obliq_client;
+  } catch (...) {
+    return nullptr;
+  }
+}
+
+void obliq_close(obliq_client* client) { delete client; }
+
+int obliq_connect(obliq_client* client, const char* address, const char* name, const char* token) {
+  return guarded(client, [&] {
+    const auto endpoint = client::parse_endpoint(text_of(address));
+    if (!endpoint) return bad("address: found \"" + text_of(address) + "\"; allowed: HOST:PORT");
+    client::ClientOptions options;
+    if (name != nullptr) options.name = name;
+    options.token = text_of(token);
+    client->client.set_handler(&client->frames);
+    return client->client.connect(*endpoint, options);
+  });
+}
+
+const char* obliq_error(const obliq_client* client) {
+  return client != nullptr ? client->error.c_str() : "no client";
+}
+uint32_t obliq_error_number(const obliq_client* client) { return client != nullptr ? client->number : 0; }
+
+const char* obliq_radar(const obliq_client* client, int index) {
+  if (client == nullptr || !client->client.is_open()) return nullptr;
+  const wire::Welcome& welcome = client->client.welcome();
+  return index >= 0 && index < welcome.radars_size() ? welcome.radars(index).c_str() : nullptr;
+}
+
+int obliq_claim(obliq_client* client, const char* radar, int force) {
+  return guarded(client, [&] { return client->client.claim_control(text_of(radar), force != 0); });
+}
+int obliq_release(obliq_client* client, const char* radar) {
+  return guarded(client, [&] { return client->client.release_control(text_of(radar)); });
+}
+
+void obliq_no_pose(obliq_pose* pose) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  *pose = {kNone, kNone, kNone, kNone, kNone, kNone, kNoTime, 0};
+}
+
+int obliq_move(obliq_client* client, const char* radar, const obliq_pose* pose) {
+  return guarded(client, [&] {
+    wire::Pose to;
+    write(*pose, to);
+    wire::Ack ack;
+    return client->client.set_pose(text_of(radar), to, ack);
+  });
+}
+
+int obliq_where(obliq_client* client, const char* radar, obliq_pose* pose) {
+  return guarded(client, [&] {
+    wire::RadarInfo info;
+    Status status = client->client.get_radar(text_of(radar), info);
+    if (status.ok()) *pose = read(info.pose());
+    return status;
+  });
+}
+
+int obliq_set(obliq_client* client, const char* radar, const char* settings) {
+  return guarded(client, [&] {
+    wire::RadarSettings wanted;
+    if (Status status = client::read_settings(text_of(settings), wanted); !status.ok()) return status;
+    wire::Ack ack;
+    return client->client.set_settings(text_of(radar), wanted, ack);
+  });
+}
+
+int obliq_get(obliq_client* client, const char* radar, const char* setting, char* text, size_t size) {
+  return guarded(client, [&] {
+    wire::RadarInfo info;
+    if (Status status = client->client.get_radar(text_of(radar), info); !status.ok()) return status;
+    const auto found = client::setting_text(info.settings(), text_of(setting));
+    if (!found)
+      return bad(text_of(setting) + ": found no field of RadarSettings; allowed: those of obliq.proto");
+    if (found->size() >= size)
+      return bad("size: found " + std::to_string(size) + "; allowed: at least " +
+                 std::to_string(found->size() + 1));
+    std::memcpy(text, found->c_str(), found->size() + 1);
+    return Status{};
+  });
+}
+
+int obliq_subscribe(obliq_client* client, const char* radar, double rate_hz, unsigned planes) {
+  return guarded(client, [&] {
+    wire::Subscribe request;
+    request.set_radar(text_of(radar));
+    request.set_rate_hz(rate_hz);
+    if (Status status = read_planes(planes, *request.mutable_planes()); !status.ok()) return status;
+    client->frames.of_radar[request.radar()] = static_cast<wire::PlaneSet>(planes);
+    return client->client.subscribe(request);
+  });
+}
+int obliq_unsubscribe(obliq_client* client, const char* radar) {
+  return guarded(client, [&] {
+    client->frames.of_radar.erase(text_of(radar));
+    return client->client.unsubscribe(text_of(radar));
+  });
+}
+
+int obliq_render(obliq_client* client, const char* radar, const obliq_pose* pose, const char* settings,
+                 unsigned planes, uint64_t* request_id) {
+  return guarded(client, [&] {
+    wire::RenderOnce request;
+    request.set_radar(text_of(radar));
+    request.set_as_live(true);
+    if (pose != nullptr) write(*pose, *request.mutable_pose());
+    if (Status status = client::read_settings(text_of(settings), *request.mutable_settings()); !status.ok())
+      return status;
+    if (Status status = read_planes(planes, *request.mutable_planes()); !status.ok()) return status;
+    Status status = client->client.render_once(request);
+    if (status.ok()) client->frames.of_request[request.request_id()] = static_cast<wire::PlaneSet>(planes);
+    if (status.ok() && request_id != nullptr) *request_id = request.request_id();
+    return status;
+  });
+}
+
+int obliq_receive(obliq_client* client, obliq_frame* frame, int timeout_ms) {
+  return guarded(client, [&] {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(std::max(0, timeout_ms));
+    Frames& frames = client->frames;
+    while (frames.whole.empty()) {
+      const auto left = std::chrono::duration_cast<client::Timeout>(end - std::chrono::steady_clock::now());
+      if (Status status = client->client.receive(std::max(left, client::Timeout(0))); !status.ok())
+        return status;
+      if (!frames.aborted.empty())
+        return Status::failure(Outcome::aborted, std::exchange(frames.aborted, ""));
+    }
+    client->shown = std::move(frames.whole.front());
+    frames.whole.pop_front();
+    show(*client, *frame);
+    return Status{};
+  });
+}
+
+int obliq_query(obliq_client* client, const char* radar, size_t n, const double* latitude_deg,
+                const double* longitude_deg, const double* height_m, obliq_ground* ground) {
+  return guarded(client, [&] {
+    wire::QueryGround request;
+    request.set_radar(text_of(radar));
+    const int count = static_cast<int>(std::min<std::size_t>(n, std::numeric_limits<int>::max()));
+    request.mutable_latitude_deg()->Add(latitude_deg, latitude_deg + count);
+    request.mutable_longitude_deg()->Add(longitude_deg, longitude_deg + count);
+    if (height_m != nullptr) request.mutable_height_m()->Add(height_m, height_m + count);
+    wire::GroundAnswer answer;
+    std::vector<wire::GroundRecord> records;
+    if (Status status = client->client.query_ground(request, answer, records); !status.ok()) return status;
+    for (std::size_t k = 0; k < std::min(n, records.size()); ++k) {
+      const wire::GroundRecord& r = records[k];
+      ground[k] = {r.height_m,
+                   r.surface_height_m,
+                   static_cast<double>(r.slope_deg),
+                   static_cast<double>(r.clearance_deg),
+                   r.state == wire::GroundState::known,
+                   seen(r.sight),
+                   r.water,
+                   r.building};
+    }
+    return Status{};
+  });
+}
+
+}  // extern "C"

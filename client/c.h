@@ -1,0 +1,138 @@
+#pragma once
+/* The client library for C and for what calls C: connect, move, set, receive, query. No C++ type and no
+ * exception crosses it. A client is for one thread at a time; texts are UTF-8. Functions return an
+ * obliq_outcome; obliq_error() then has the sentence. */
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct obliq_client obliq_client;
+
+enum obliq_outcome {
+  OBLIQ_OK = 0,
+  OBLIQ_BAD_ARGUMENT = 1,   /* of the caller */
+  OBLIQ_CANNOT_CONNECT = 2, /* nothing listens there, or the name is unknown */
+  OBLIQ_TIMED_OUT = 3,
+  OBLIQ_CLOSED = 4, /* the server has gone */
+  OBLIQ_BAD_STREAM = 5,
+  OBLIQ_REFUSED = 6, /* obliq_error_number() says why: PROTOCOL.md, "Errors" */
+  OBLIQ_ABORTED = 7, /* a frame that had begun was ended by the server */
+  OBLIQ_UNTRUSTED = 8,
+  OBLIQ_FAILED = 9 /* no memory, or a fault of the library */
+};
+
+/* Planes of a frame, to be added. */
+enum obliq_planes {
+  OBLIQ_IQ = 1,
+  OBLIQ_POWER = 2,
+  OBLIQ_COUNT = 4,
+  OBLIQ_STATE = 8,
+  OBLIQ_VIDEO = 16,
+  OBLIQ_MATERIAL = 64, /* labels: PROTOCOL.md, "Labels" */
+  OBLIQ_BUILDING = 128,
+  OBLIQ_HEIGHT = 256,
+  OBLIQ_RETURNS = 512
+};
+
+/* Where the antenna is and where it looks, as Pose in obliq.proto. NaN (obliq_no_pose) leaves a value as it
+ * is. */
+typedef struct obliq_pose {
+  double latitude_deg;
+  double longitude_deg;
+  double height_m; /* above the radar's height_reference */
+  double bearing_deg;
+  double tilt_deg;
+  double valid_s;
+  int64_t sim_time_ns; /* INT64_MIN: none */
+  uint64_t pose_id;    /* 0: none */
+} obliq_pose;
+
+/* A whole frame. Planes are [n_azimuth][n_range]; those not asked for are NULL. Everything it points to lives
+ * until the next obliq_receive() or obliq_close(). */
+typedef struct obliq_frame {
+  const char* radar;
+  uint64_t frame_id;
+  uint64_t request_id; /* of obliq_render(); 0: a subscription's */
+  uint64_t frames_skipped;
+  int n_azimuth;
+  int n_range;
+  double azimuth_start_deg; /* left edge of the first azimuth bin, true bearing */
+  double azimuth_width_deg;
+  double range_start_m; /* near edge of the first range bin, slant range */
+  double range_spacing_m;
+  double video_floor_db; /* of video level 1 */
+  double video_span_db;
+  obliq_pose pose;
+  const float* iq; /* real and imaginary part of each bin */
+  const double* power_w;
+  const uint32_t* count;
+  const uint8_t* state;
+  const uint16_t* video;   /* levels 0 to 255 */
+  const uint8_t* material; /* 255: none */
+  const float* building;
+  const float* height_m; /* NaN: none */
+  const uint8_t* returns;
+} obliq_frame;
+
+/* What is at a place of the ground, and whether the antenna sees it. */
+typedef struct obliq_ground {
+  double height_m;         /* of the ground, above the datum */
+  double surface_height_m; /* with a roof on it */
+  double slope_deg;
+  double clearance_deg; /* by which the point clears what stands before it; negative: hidden */
+  int is_known;
+  int is_seen; /* 1: from the antenna; 0: hidden; -1: not known */
+  int is_water;
+  uint32_t building; /* from 1; 0: none */
+} obliq_ground;
+
+/* A client that is not connected yet; NULL: no memory. */
+obliq_client* obliq_open(void);
+void obliq_close(obliq_client* client);
+
+/* address: "127.0.0.1:7420". name: shown to others. token: NULL where the server wants none. */
+int obliq_connect(obliq_client* client, const char* address, const char* name, const char* token);
+
+/* The sentence of the newest call that did not end with OBLIQ_OK; "" before one. Lives until the next call.
+ */
+const char* obliq_error(const obliq_client* client);
+/* Of OBLIQ_REFUSED; else 0. */
+uint32_t obliq_error_number(const obliq_client* client);
+
+/* Names of the server's radars, from 0; NULL past the last. */
+const char* obliq_radar(const obliq_client* client, int index);
+
+/* Moving and setting need control. force: from another client, for an admin. */
+int obliq_claim(obliq_client* client, const char* radar, int force);
+int obliq_release(obliq_client* client, const char* radar);
+
+void obliq_no_pose(obliq_pose* pose);
+int obliq_move(obliq_client* client, const char* radar, const obliq_pose* pose);
+int obliq_where(obliq_client* client, const char* radar, obliq_pose* pose);
+
+/* settings: "receiver_gain_db=6 scan_mode=SECTOR_SCAN noise=true", by the names of RadarSettings; all or none
+ * change. */
+int obliq_set(obliq_client* client, const char* radar, const char* settings);
+/* The value of one of them as text, as obliq_set() takes it. */
+int obliq_get(obliq_client* client, const char* radar, const char* setting, char* text, size_t size);
+
+int obliq_subscribe(obliq_client* client, const char* radar, double rate_hz, unsigned planes);
+int obliq_unsubscribe(obliq_client* client, const char* radar);
+/* One frame of its own: as the live radar is, but for pose (NULL: as it stands) and settings (NULL: as they
+ * are). It comes by obliq_receive() with this request_id. */
+int obliq_render(obliq_client* client, const char* radar, const obliq_pose* pose, const char* settings,
+                 unsigned planes, uint64_t* request_id);
+/* Waits for the next whole frame. OBLIQ_TIMED_OUT leaves the connection usable. */
+int obliq_receive(obliq_client* client, obliq_frame* frame, int timeout_ms);
+
+/* n places, as the radar's antenna sees them from where it is now. height_m: of points there above the datum;
+ * NULL: on the ground. */
+int obliq_query(obliq_client* client, const char* radar, size_t n, const double* latitude_deg,
+                const double* longitude_deg, const double* height_m, obliq_ground* ground);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,34 @@
+#pragma once
+// What of a radar one client at a time may hold. PROTOCOL.md, "Control".
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace obliq::wire {
+
+/// The numbers are those of the protobuf enumeration ClaimKind.
+enum class Claim : std::uint8_t {
+  pose = 0,     ///< where the antenna's platform is and how it lies
+  settings = 1  ///< the operator's knobs, and where the antenna looks from its platform
+};
+constexpr int kClaims = 2;
+
+/// A set of claims, bit n for claim n.
+using ClaimSet = std::uint8_t;
+constexpr ClaimSet claim_bit(Claim claim) {
+  return static_cast<ClaimSet>(1u << static_cast<unsigned>(claim));
+}
+constexpr ClaimSet kPoseClaim = claim_bit(Claim::pose);
+constexpr ClaimSet kSettingsClaim = claim_bit(Claim::settings);
+constexpr ClaimSet kEveryClaim = (1u << kClaims) - 1;
+/// Of a client that names none: what version 1.1 knew.
+constexpr ClaimSet kUnnamedClaims = kPoseClaim | kSettingsClaim;
+
+const char* claim_name(Claim claim);
+/// "pose and settings", as far as they are in the set.
+std::string claim_names(ClaimSet claims);
+
+/// Nothing for a number that is no claim.
+std::optional<Claim> claim_from_number(int number);
+
+}  // namespace obliq::wire

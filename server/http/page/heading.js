@@ -1,0 +1,67 @@
+// Where own ship or aircraft heads and where it goes, and what is up on a picture.
+
+import { number } from "./messages.js";
+import { DEGREE, inverse, turned } from "./placement.js";
+
+export const UPS = ["north", "bearing", "heading", "course"];
+export const UP_WORDS = { north: "N UP", bearing: "BRG UP", heading: "HDG UP", course: "CRS UP" };
+const LEAST_M = 15; // between places that give a course
+const LONGEST_S = 20; // a course is no older
+
+/** Heading, course and speed of one radar, from its poses. */
+export class Heading {
+  constructor() {
+    this.forget();
+  }
+
+  forget() {
+    this.heading_deg = null; // true; null: the poses have none
+    this.course_deg = null; // null: it stands
+    this.speed_mps = 0;
+    this.past = null; // a place, and when it was
+    this.moved_ms = -Infinity; // when the newest pose was another than the one before
+    this.key = "";
+  }
+
+  /** @param {any} pose of a frame or a dwell @param {number} now_ms */
+  take(pose, now_ms) {
+    if (pose.heading_deg !== undefined) this.heading_deg = turned(number(pose.heading_deg));
+    const place = [number(pose.latitude_deg), number(pose.longitude_deg)];
+    const key = [...place, pose.height_m, pose.bearing_deg, pose.tilt_deg].join();
+    if (this.key && key !== this.key) this.moved_ms = now_ms;
+    this.key = key;
+    const { past } = this;
+    if (!past) {
+      this.past = { place, at_ms: now_ms };
+      return;
+    }
+    const [east_m, north_m] = inverse(...past.place, ...place);
+    const way_m = Math.hypot(east_m, north_m);
+    const took_s = (now_ms - past.at_ms) / 1000;
+    if (took_s > LONGEST_S) [this.course_deg, this.speed_mps, this.past] = [null, 0, { place, at_ms: now_ms }];
+    if (way_m < LEAST_M || took_s < 0.5) return;
+    this.course_deg = turned(Math.atan2(east_m, north_m) / DEGREE);
+    this.speed_mps = way_m / took_s;
+    this.past = { place, at_ms: now_ms };
+  }
+
+  /** Whether poses that differ still come. */
+  isMoving(now_ms) {
+    return now_ms - this.moved_ms < 3000;
+  }
+
+  /** The line that a display draws ahead: the heading, or where poses have none the radar's own bearing. */
+  ahead_deg(placement) {
+    return this.heading_deg ?? placement.bearing_deg;
+  }
+
+  /**
+   * @param {string} wish one of UPS, or "auto": a sector's bearing, all round north
+   * @returns {{up: string, up_deg: number}}
+   */
+  up(wish, placement) {
+    const up = wish === "auto" ? (placement.isRound ? "north" : "bearing") : wish;
+    const by = { north: 0, bearing: placement.bearing_deg, heading: this.ahead_deg(placement), course: this.course_deg ?? this.ahead_deg(placement) };
+    return { up, up_deg: by[up] };
+  }
+}

@@ -1,0 +1,52 @@
+#include "server/net/aim.h"
+
+#include <google/protobuf/descriptor.h>
+
+#include <cmath>
+
+#include "proto/obliq.pb.h"
+#include "server/control/parameters.h"
+
+namespace obliq::net {
+namespace {
+
+/// Within a bearing's limits, otherwise as it is.
+double turned(double angle_deg) {
+  return std::abs(angle_deg) <= 360 ? angle_deg : std::remainder(angle_deg, 360.0);
+}
+
+}  // namespace
+
+bool only_aims(const wire::Pose& message) {
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  message.GetReflection()->ListFields(message, &fields);
+  const auto is_aim = [](const google::protobuf::FieldDescriptor* field) {
+    for (const Parameter& p : parameters())
+      if (p.message == WireMessage::pose && p.wire_field == field->name()) return p.meaning.aim;
+    return false;
+  };
+  return !fields.empty() && std::ranges::all_of(fields, is_aim);
+}
+
+std::vector<std::string> take_out_tilt(wire::Pose& message) {
+  std::vector<std::string> names;
+  if (message.has_tilt_deg()) names.emplace_back("tilt_deg");
+  if (message.has_tilt_auto()) names.emplace_back("tilt_auto");
+  message.clear_tilt_deg();
+  message.clear_tilt_auto();
+  return names;
+}
+
+void resolve_angles(Hand hand, NamedAngles named, bool has_heading, const PoseSettings& now,
+                    PoseSettings& wanted) {
+  if (!named.bearing && !named.heading) return;
+  const double centre_deg = std::remainder(now.bearing_deg - now.heading_deg, 360.0);
+  if (hand == Hand::operates) {
+    wanted.bearing_deg = turned(now.heading_deg + wanted.bearing_deg);
+    return;
+  }
+  if (!named.heading && !has_heading) wanted.heading_deg = wanted.bearing_deg;
+  if (hand == Hand::flyer || !named.bearing) wanted.bearing_deg = turned(wanted.heading_deg + centre_deg);
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,51 @@
+#include "server/net/exercise.h"
+
+#include <spdlog/spdlog.h>
+
+#include "proto/obliq.pb.h"
+#include "server/net/exercise_radars.h"
+#include "server/net/requests.h"
+#include "server/net/room.h"
+
+namespace obliq::net {
+
+Exercise::Exercise(Room& room) : room_(room) { join(std::make_unique<ExerciseRadars>(room)); }
+
+void Exercise::write(wire::ExerciseState& state) const {
+  state.set_version(kExerciseVersion);
+  state.set_scene_hash(room_.renderer().scene_hash());
+  state.set_scene_name(room_.options().scene_name);
+  state.set_build(room_.options().server_version);
+  for (const auto& part : parts_) part->write(state);
+}
+
+std::vector<FieldError> Exercise::load(const wire::ExerciseState& state, const std::string& by) {
+  std::vector<FieldError> errors;
+  if (state.version() < 1 || state.version() > kExerciseVersion)
+    errors.push_back({"version", std::to_string(state.version()),
+                      "1 to " + std::to_string(kExerciseVersion) + ", by a server of this version"});
+  if (const std::string here = room_.renderer().scene_hash(); state.scene_hash() != here)
+    errors.push_back(
+        {"scene_hash", presentable(state.scene_hash() + " of " + state.scene_name()),
+         presentable(here + " of " + room_.options().scene_name + ": the scene that is served")});
+  if (!errors.empty()) return errors;
+  for (const auto& part : parts_) append(errors, part->faults(state));
+  if (!errors.empty()) return errors;
+  for (const auto& part : parts_) part->take(state, by);
+  spdlog::info("exercise: a state of {} radars loaded by {}", state.radars_size(), by);
+  return {};
+}
+
+void Exercise::reset(const std::string& name, const std::string& by) {
+  for (const auto& part : parts_) part->reset(name, by);
+  spdlog::info("exercise: {} reset to the scene file by {}", name.empty() ? "all" : "radar " + name, by);
+}
+
+void Exercise::freeze(bool on, const std::string& by) {
+  if (on == frozen_) return;
+  frozen_ = on;
+  for (const auto& part : parts_) part->freeze(on);
+  spdlog::info("exercise: {} by {}", on ? "frozen" : "goes on", by);
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,54 @@
+#pragma once
+// The exercise: all that an instructor saves, loads, resets and stops at once.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "terrain/base/errors.h"
+
+namespace obliq::wire {
+class ExerciseState;
+}
+
+namespace obliq::net {
+
+class Room;
+
+/// Of ExerciseState.version.
+constexpr unsigned kExerciseVersion = 1;
+
+/// One kind of what an exercise is made of.
+class ExercisePart {
+ public:
+  virtual ~ExercisePart() = default;
+  virtual void write(wire::ExerciseState& state) const = 0;
+  /// Why the part cannot be as the state says; nothing: take() will do it. Fields begin with the part's own.
+  virtual std::vector<FieldError> faults(const wire::ExerciseState& state) = 0;
+  virtual void take(const wire::ExerciseState& state, const std::string& by) = 0;
+  /// Back to how it was at the start. name: of one alone; empty: all.
+  virtual void reset(const std::string& name, const std::string& by) = 0;
+  virtual void freeze(bool on) = 0;
+};
+
+/// On the io thread.
+class Exercise {
+ public:
+  /// The room must outlive this.
+  explicit Exercise(Room& room);
+  /// What joins is saved, loaded, reset and stopped with the rest, in this order.
+  void join(std::unique_ptr<ExercisePart> part) { parts_.push_back(std::move(part)); }
+
+  void write(wire::ExerciseState& state) const;
+  /// All of it or nothing. Returns why nothing.
+  std::vector<FieldError> load(const wire::ExerciseState& state, const std::string& by);
+  void reset(const std::string& name, const std::string& by);
+  void freeze(bool on, const std::string& by);
+  bool is_frozen() const { return frozen_; }
+
+ private:
+  Room& room_;
+  std::vector<std::unique_ptr<ExercisePart>> parts_;
+  bool frozen_ = false;
+};
+
+}  // namespace obliq::net

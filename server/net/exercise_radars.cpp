@@ -1,0 +1,111 @@
+#include "server/net/exercise_radars.h"
+
+#include <algorithm>
+
+#include "proto/obliq.pb.h"
+#include "server/control/parameters.h"
+#include "server/control/settings_message.h"
+#include "server/net/requests.h"
+#include "server/net/room.h"
+#include "server/radar/frame_plan.h"
+#include "server/stream/frame_encoder.h"
+
+namespace obliq::net {
+namespace {
+
+const wire::RadarState* state_of(const std::string& radar, const wire::ExerciseState& state) {
+  const auto at = std::ranges::find(state.radars(), radar, [](const auto& r) { return r.radar(); });
+  return at == state.radars().end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+void ExerciseRadars::write(wire::ExerciseState& state) const {
+  for (const LiveRadar& radar : room_.radars().all()) {
+    wire::RadarState& its = *state.add_radars();
+    its.set_radar(radar.name);
+    write_message(radar.settings.current()->settings, *its.mutable_settings());
+    write_message(radar.pose, *its.mutable_pose());
+    its.set_transmit_off(!radar.transmit);
+    its.set_frozen(radar.frozen);
+    its.set_rate_limit_hz(radar.rate_limit_hz);
+  }
+}
+
+std::vector<FieldError> ExerciseRadars::faults(const wire::ExerciseState& state) {
+  std::vector<FieldError> errors;
+  const std::deque<LiveRadar>& all = room_.radars().all();
+  if (state.radars_size() != static_cast<int>(all.size()))
+    errors.push_back({"radars", std::to_string(state.radars_size()) + " radars",
+                      std::to_string(all.size()) + ", each of the server's once"});
+  for (const LiveRadar& radar : all) {
+    const wire::RadarState* its = state_of(radar.name, state);
+    if (its == nullptr) {
+      errors.push_back({"radars", "nothing of " + radar.name, "a state of each radar that is served"});
+      continue;
+    }
+    std::vector<FieldError> own;
+    const Wanted wanted = read(radar, *its, own);
+    if (own.empty()) own = faults_of(wanted);
+    for (FieldError& error : own) error.field = "radar " + radar.name + ": " + error.field;
+    append(errors, std::move(own));
+  }
+  return errors;
+}
+
+void ExerciseRadars::take(const wire::ExerciseState& state, const std::string& by) {
+  for (std::size_t i = 0; i < room_.radars().all().size(); ++i) {
+    LiveRadar& radar = room_.radars().at(i);
+    std::vector<FieldError> none;
+    put(radar, read(radar, *state_of(radar.name, state), none), by);
+  }
+}
+
+void ExerciseRadars::reset(const std::string& name, const std::string& by) {
+  for (std::size_t i = 0; i < room_.radars().all().size(); ++i) {
+    LiveRadar& radar = room_.radars().at(i);
+    if (name.empty() || name == radar.name) put(radar, {.config = radar.initial}, by);
+  }
+}
+
+void ExerciseRadars::freeze(bool on) { room_.radars().hold(on); }
+
+ExerciseRadars::Wanted ExerciseRadars::read(const LiveRadar& radar, const wire::RadarState& state,
+                                            std::vector<FieldError>& errors) {
+  Wanted wanted{radar.initial, !state.transmit_off(), state.frozen(), state.rate_limit_hz()};
+  append(errors, merge_message(state.settings(), wanted.config.settings));
+  append(errors, merge_message(state.pose(), wanted.config.pose));
+  return wanted;
+}
+
+std::vector<FieldError> ExerciseRadars::faults_of(const Wanted& wanted) const {
+  const RadarSettings& settings = wanted.config.settings;
+  const double max_rate_hz = room_.options().max_rate_hz;
+  std::vector<FieldError> errors = validate(wanted.config);
+  if (!(wanted.rate_limit_hz >= 0 && wanted.rate_limit_hz <= max_rate_hz))
+    errors.push_back({"rate_limit_hz", std::to_string(wanted.rate_limit_hz),
+                      "0 (none) to " + std::to_string(max_rate_hz)});
+  if (errors.empty()) errors = room_.renderer().scene_faults(settings);
+  if (errors.empty())
+    if (const auto over = room_.over_live_limit(settings, wire::kAllPlanes)) errors.push_back(over->field);
+  if (errors.empty()) errors = room_.renderer().place(wanted.config.pose);
+  // What the ground decides shows as the radar's fault, as after a move.
+  if (errors.empty()) errors = known_beam_faults(settings, wanted.config.pose).value_or(errors);
+  return errors;
+}
+
+void ExerciseRadars::put(LiveRadar& radar, const Wanted& wanted, const std::string& by) {
+  Radars& radars = room_.radars();
+  (void)radar.settings.set(wanted.config.settings);
+  // A clock of its own begins with the next pose that has one.
+  (void)radars.take_pose(radar, wanted.config.pose, false);
+  radar.has_heading = false;
+  radar.rate_limit_hz = wanted.rate_limit_hz;
+  radars.flip(radar, {std::nullopt, false}, by);  // for a moment: what is frozen is the state that is put
+  radars.show(radar);
+  radars.check_windows(radar);
+  radars.flip(radar, {wanted.transmit, wanted.frozen}, by);
+  radars.update_demand(radar);
+}
+
+}  // namespace obliq::net

@@ -1,0 +1,116 @@
+// SetPose: who flies a radar, and who turns its antenna.
+#include "proto/obliq.pb.h"
+#include "server/control/parameters.h"
+#include "server/control/settings_message.h"
+#include "server/net/aim.h"
+#include "server/net/peer.h"
+#include "server/net/requests.h"
+#include "server/net/rights.h"
+#include "server/net/room.h"
+#include "server/radar/frame_plan.h"
+
+namespace obliq::net {
+
+using wire::Claim;
+using wire::ErrorNumber;
+
+namespace {
+
+/// Why this radar's antenna cannot stand like that, although its numbers are within their limits.
+std::vector<FieldError> pose_faults(const Room& room, const LiveRadar& radar, const PoseSettings& pose) {
+  std::vector<FieldError> errors = room.renderer().place(pose);
+  if (errors.empty() && pose.tilt_deg != radar.pose.tilt_deg)
+    errors = known_beam_faults(radar.settings.current()->settings, pose).value_or(errors);
+  return errors;
+}
+
+NamedAngles angles_of(const wire::Pose& message) {
+  return {message.has_bearing_deg(), message.has_heading_deg()};
+}
+
+/// What the flyer is told of fields that are the operator's.
+std::string not_taken(const std::vector<std::string>& fields, const Peer& hand) {
+  std::string names;
+  for (const std::string& field : fields) names += (names.empty() ? "" : ", ") + field;
+  return names + ": not taken: " + hand.name + " holds the settings, and with them where the antenna looks";
+}
+
+}  // namespace
+
+void Requests::set_pose(const wire::SetPose& request) {
+  LiveRadar* radar = radar_of(request.radar());
+  if (radar == nullptr) return;
+  const wire::ClaimSet mine = radar->claims.of(peer_);
+  const bool may_aim = mine == wire::kSettingsClaim && only_aims(request.pose());
+  if (may_aim) return aim(*radar, request.pose());
+  if (demand_claims(*radar, right_->claims)) fly(*radar, request.pose());
+}
+
+void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
+  const Peer* other = radar.claims.holder(Claim::settings);
+  const Hand hand = other == nullptr || other == &peer_ ? Hand::alone : Hand::flyer;
+  wire::Pose taken = message;
+  std::vector<std::string> warnings;
+  const bool has_heading = radar.has_heading || message.has_heading_deg();
+  if (hand == Hand::flyer) {
+    std::vector<std::string> ignored = take_out_tilt(taken);
+    if (message.has_bearing_deg() && has_heading) ignored.emplace_back("bearing_deg");
+    if (!ignored.empty()) warnings.push_back(not_taken(ignored, *other));
+    if (message.has_bearing_deg() && !has_heading)
+      warnings.push_back("bearing_deg: taken for the heading: " + other->name +
+                         " holds the settings, and with them where the antenna looks from there");
+  }
+  PoseSettings pose = radar.pose;
+  std::vector<FieldError> errors = merge_message(taken, pose);
+  append(errors, validate(pose));
+  if (errors.empty()) {
+    resolve_angles(hand, angles_of(taken), radar.has_heading, radar.pose, pose);
+    errors = pose_faults(room_, radar, pose);
+  }
+  if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
+  if (message.new_time_line()) radar.poses->restart();
+  if (room_.radars().move(radar, pose, message.has_sim_time_ns())) {
+    radar.has_heading = has_heading;
+  } else {
+    warnings.push_back("sim_time_ns: found " + std::to_string(pose.sim_time_ns) + " after " +
+                       std::to_string(radar.pose.sim_time_ns) +
+                       "; allowed: none that goes back, but with new_time_line; the pose is not taken");
+  }
+  if (peer_.has_moved && !peer_.is_guest) {
+    log_as_guest(peer_);
+    log_doing(peer_, radar.name, "flown by " + peer_.name);
+  }
+  peer_.has_moved = true;
+  acknowledge_pose(radar, warnings);
+}
+
+void Requests::aim(LiveRadar& radar, const wire::Pose& message) {
+  PoseSettings pose = radar.pose;
+  std::vector<FieldError> errors = merge_message(message, pose);
+  append(errors, validate(pose));
+  if (errors.empty()) {
+    const Hand hand = radar.claims.holder(Claim::pose) != nullptr ? Hand::operates : Hand::alone;
+    resolve_angles(hand, angles_of(message), radar.has_heading, radar.pose, pose);
+    errors = pose_faults(room_, radar, pose);
+  }
+  if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
+  room_.radars().aim(radar, pose);
+  acknowledge_pose(radar, {});
+}
+
+void Requests::acknowledge_pose(LiveRadar& radar, const std::vector<std::string>& warnings) {
+  const SettingsPtr settings = radar.settings.current();
+  wire::Ack ack;
+  ack.set_request_id(id_);
+  ack.set_settings_version(settings->version);
+  if (room_.options().ground_at) {
+    const GroundThere ground = room_.options().ground_at(radar.pose, settings->settings.r_max_m);
+    room_.radars().note_ground(radar, ground.warning);
+    ack.set_coverage(ground.coverage);
+    if (!ground.warning.empty()) ack.add_warnings(ground.warning);
+  }
+  for (const std::string& warning : warnings) ack.add_warnings(warning);
+  peer_.send(wire::MessageType::ack, ack);
+}
+
+}  // namespace obliq::net
