@@ -24,7 +24,8 @@ using client::Status;
 static_assert(static_cast<int>(Outcome::untrusted) == OBLIQ_UNTRUSTED &&
               static_cast<int>(Outcome::refused) == OBLIQ_REFUSED);
 static_assert(wire::plane_bit(wire::Plane::iq) == OBLIQ_IQ &&
-              wire::plane_bit(wire::Plane::video) == OBLIQ_VIDEO);
+              wire::plane_bit(wire::Plane::video) == OBLIQ_VIDEO &&
+              wire::plane_bit(wire::Plane::returns) == OBLIQ_RETURNS);
 static_assert(sizeof(std::complex<float>) == 2 * sizeof(float));
 
 namespace {
