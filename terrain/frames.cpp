@@ -12,7 +12,6 @@ WorldFrame::WorldFrame(double origin_latitude_rad, double origin_longitude_rad, 
       origin_longitude_rad_(origin_longitude_rad),
       radius_factor_(radius_factor),
       ellipsoid_(tangent_form(origin_latitude_rad)),
-      over_two_radius2_(1 / (2 * ellipsoid_.normal_radius * ellipsoid_.normal_radius)),
       tangent_(origin_latitude_rad / kDegree_rad, origin_longitude_rad / kDegree_rad, 0.0) {}
 
 WorldFrame::TangentForm WorldFrame::tangent_form(double origin_latitude_rad) {
@@ -44,29 +43,6 @@ double WorldFrame::ellipsoid_y_m(double x_m, double z_m) const {
 double WorldFrame::lift_m(double x_m, double z_m) const {
   if (radius_factor_ == 1) return 0;
   return (1 - 1 / radius_factor_) * ellipsoid_y_m(x_m, z_m);
-}
-
-double WorldFrame::upright(double x_m, double z_m) const {
-  // By the angle at the earth's centre.
-  return 1 - (x_m * x_m + z_m * z_m) * over_two_radius2_;
-}
-
-double WorldFrame::height_m(const WorldPoint& world) const {
-  return (world.m.y - datum_y_m(world.m.x, world.m.z)) * upright(world.m.x, world.m.z);
-}
-
-DatumLine::DatumLine(const WorldFrame& frame, double x_m, double z_m, double sin_bearing, double cos_bearing,
-                     double reach_m) {
-  const auto fit = [&](double* a, const auto& value) {
-    const auto here = [&](double d) { return value(x_m + d * sin_bearing, z_m + d * cos_bearing); };
-    const double near = here(0);
-    const double far = here(reach_m);
-    a[0] = near;
-    a[2] = 2 * (near + far - 2 * here(reach_m / 2)) / (reach_m * reach_m);
-    a[1] = (far - near) / reach_m - a[2] * reach_m;
-  };
-  fit(datum_m_, [&](double x, double z) { return frame.datum_y_m(x, z); });
-  fit(upright_, [&](double x, double z) { return frame.upright(x, z); });
 }
 
 WorldPoint WorldFrame::world_from_geodetic(const Geodetic& geodetic) const {

@@ -38,13 +38,6 @@ class WorldFrame {
   /// World y of the datum surface (height 0) at (x, z), lift included: ellipsoid_y_m / k. Metres, <= 0.
   double datum_y_m(double x_m, double z_m) const { return ellipsoid_y_m(x_m, z_m) / radius_factor_; }
 
-  /// Cosine of the angle between y and the vertical at (x, z).
-  double upright(double x_m, double z_m) const;
-
-  /// Height above the datum of a point: geodetic_from_world's, to 1e-6 of it within 100 km of the origin, for
-  /// a tenth of the time.
-  double height_m(const WorldPoint& world) const;
-
   /// What is subtracted from the tangent-plane y at (x, z): (1 - 1/k) ellipsoid_y_m. Metres, <= 0.
   double lift_m(double x_m, double z_m) const;
 
@@ -68,29 +61,7 @@ class WorldFrame {
   double origin_longitude_rad_;
   double radius_factor_;
   TangentForm ellipsoid_;
-  double over_two_radius2_;
   GeographicLib::LocalCartesian tangent_;
-};
-
-/// Heights above the datum along a line of the tangent plane, as WorldFrame::height_m: the datum is taken for
-/// a parabola, to 1 cm over 60 km. For a fifth of the time.
-class DatumLine {
- public:
-  DatumLine() = default;
-  /// From (x, z) along (sin, cos), up to a distance.
-  DatumLine(const WorldFrame& frame, double x_m, double z_m, double sin_bearing, double cos_bearing,
-            double reach_m);
-
-  /// Of surface of some power, given and returned times that power.
-  double height_w(double distance_m, double y_w, double power_w) const {
-    return (y_w - power_w * at(datum_m_, distance_m)) * at(upright_, distance_m);
-  }
-
- private:
-  /// a[0] + a[1] d + a[2] d^2.
-  static double at(const double* a, double d) { return a[0] + d * (a[1] + d * a[2]); }
-  double datum_m_[3]{};
-  double upright_[3]{};
 };
 
 }  // namespace obliq

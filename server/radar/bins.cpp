@@ -48,25 +48,26 @@ void decide_labels(BinBlock& bins) {
   labels.building = std::move(label_share(bins, LabelShare::kBuildings));
   labels.height_m = std::move(label_share(bins, LabelShare::kHeights));
   labels.material.assign(n, 0);
-  std::vector<float> rest, greatest;  // of material 0, and of the others
-  for (const auto& [kind, share] : bins.label_shares) {
-    if (kind >= LabelShare::kBuildings) continue;
-    ask(static_cast<std::int64_t>(n));
-    rest.resize(n, 1);
-    greatest.resize(n);
-    for (std::size_t bin = 0; bin < n; ++bin) {
-      rest[bin] -= share[bin];
-      if (!(share[bin] > greatest[bin])) continue;
-      greatest[bin] = share[bin];
-      labels.material[bin] = static_cast<std::uint8_t>(kind);
-    }
-  }
-  for (std::size_t bin = 0; bin < rest.size(); ++bin)
-    if (rest[bin] >= greatest[bin]) labels.material[bin] = 0;
+  std::vector<const LabelShare*> materials;
+  for (const LabelShare& share : bins.label_shares)
+    if (share.kind < LabelShare::kBuildings) materials.push_back(&share);
+  ask(static_cast<std::int64_t>(materials.size() * n));
   for (std::size_t bin = 0; bin < n; ++bin) {
-    if (bins.power_w[bin] > 0) continue;
-    labels.material[bin] = Labels::kNoMaterial;
-    labels.height_m[bin] = std::numeric_limits<float>::quiet_NaN();
+    if (!(bins.power_w[bin] > 0)) {
+      labels.material[bin] = Labels::kNoMaterial;
+      labels.height_m[bin] = std::numeric_limits<float>::quiet_NaN();
+      continue;
+    }
+    float rest = 1, greatest = 0;  // of material 0, and of the others
+    int kind = 0;
+    for (const LabelShare* material : materials) {
+      const float share = material->share[bin];
+      rest -= share;
+      if (!(share > greatest)) continue;
+      greatest = share;
+      kind = material->kind;
+    }
+    labels.material[bin] = static_cast<std::uint8_t>(rest >= greatest ? 0 : kind);
   }
   bins.label_shares = {};
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/radar/beam/echo_rows.h"
+#include "server/radar/echo/datum_surface.h"
 #include "server/truth/reference.h"
 #include "tests/accuracy/labels_support.h"
 #include "tests/support/made_worlds.h"
@@ -171,16 +172,15 @@ TEST_P(LabelsOf, NoiseAndRainLeaveThemAlone) {
 TEST(Labels, HeightsOfPointsAreThoseOfGeodesy) {
   for (const double factor : {1.0, 4.0 / 3, std::numeric_limits<double>::infinity()}) {
     const WorldFrame frame(40 * kDegree_rad, 10 * kDegree_rad, factor);
-    const SinCos along{std::sin(0.7), std::cos(0.7)};
-    const DatumLine line(frame, 30e3, -20e3, along.sin, along.cos, 60e3);
-    for (double d = 0; d <= 60e3; d += 1500) {
-      const glm::dvec3 at(30e3 + d * along.sin, 2000 - d / 40, -20e3 + d * along.cos);
-      const double expected_m = frame.geodetic_from_world({at}).height_m;
-      EXPECT_NEAR(frame.height_m({at}), expected_m, 1e-5 * std::abs(expected_m) + 1e-3)
-          << factor << " at " << d;
-      EXPECT_NEAR(line.height_w(d, 3 * at.y, 3) / 3, expected_m, 1e-5 * std::abs(expected_m) + 0.02)
-          << factor << " at " << d;
-    }
+    const WorldPoint antenna{{30e3, 0, -20e3}};
+    const DatumSurface datum(frame, antenna, 40e3);
+    for (double along = 0; along < 6.2; along += 0.3)
+      for (double d = 0; d <= 40e3; d += 4e3) {
+        const double x = d * std::sin(along), z = d * std::cos(along), y = 2000 - d / 40;
+        const double expected_m = frame.geodetic_from_world({{antenna.m.x + x, y, antenna.m.z + z}}).height_m;
+        EXPECT_NEAR(datum.height_w(x, z, 3 * y, 3) / 3, expected_m, 0.01 + 1e-6 * std::abs(expected_m))
+            << factor << " at " << d;
+      }
   }
 }
 

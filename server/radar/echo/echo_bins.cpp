@@ -44,6 +44,7 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
   factors_.range_normalisation = normalises_samples(plan.settings());
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
     factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
+  if (labels) datum_ = {plan.scene().world().frame, {plan.sector().antenna_m}, plan.sector().r_max_m};
   restart(range);
 }
 
@@ -59,7 +60,6 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   const AntennaGain& antenna = plan_.antenna_gain();
   const glm::dvec3& at_m = plan_.sector().antenna_m;
   const bool geometric = plan_.settings().speckle == SpeckleKind::geometric;
-  const World& world = plan_.scene().world();
   std::uint64_t binned = 0;
   std::uint32_t marked = kNoFace;
   ask(kASample * samples.n);
@@ -91,11 +91,10 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     bins_.add(bin, power, power * sine);
     if (bins_.labels().wanted())
       bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
-                         power * world.frame.height_m({{samples.x_m[k], at_m.y + r * samples.sin_elevation[k],
-                                                        samples.z_m[k]}}));
+                         datum_.height_w(dx, dz, power * (at_m.y + r * samples.sin_elevation[k]), power));
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
-      plan_.seen().mark(world.buildings.building_of_face[marked = samples.face[k]]);
+      plan_.seen().mark(plan_.scene().world().buildings.building_of_face[marked = samples.face[k]]);
     if (geometric) {
       const double round_trips = 2 * r / plan_.wavelength_m();
       const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));

@@ -44,6 +44,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   }
   where_.cells_per_m = cells_per_m_.data();
   where_.level_bits = level_bits_.data();
+  if (labels) datum_ = {plan.scene().world().frame, {antenna}, plan.sector().r_max_m};
 }
 
 void EchoCells::restart(int first_azimuth) {
@@ -61,9 +62,6 @@ void EchoCells::restart(int first_azimuth) {
 void EchoCells::set_bearing(std::size_t profile, SinCos bearing) {
   where_.sin_bearing[profile] = bearing.sin;
   where_.cos_bearing[profile] = bearing.cos;
-  if (wants_labels())
-    datum_[profile] = DatumLine(plan_.scene().world().frame, where_.antenna_x_m, where_.antenna_z_m,
-                                bearing.sin, bearing.cos, plan_.sector().r_max_m);
 }
 
 void EchoCells::add(GroundEchoes& echoes) {
@@ -97,7 +95,9 @@ void EchoCells::add(const GroundStretches& stretches) {
     const double middle_m = static_cast<double>(stretches.from_m[k] + stretches.end_m[k]) / 2;
     bins_.labels().add(
         BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(stretches.bin(k))),
-        power_w, stretches.material(k), false, datum_[run].height_w(middle_m, y_w, power_w));
+        power_w, stretches.material(k), false,
+        datum_.height_w(middle_m * where_.sin_bearing[run], middle_m * where_.cos_bearing[run], y_w,
+                        power_w));
   }
 }
 
@@ -164,7 +164,9 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.power_w[k] = power_w;
   faces_.sec2[k] = echo.sec2_incidence;
   face_sine_[k] = sine;
-  if (wants_labels()) face_height_m_[k] = plan_.scene().world().frame.height_m({echo.at_m});
+  if (wants_labels())
+    face_height_w_[k] = datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m,
+                                        power_w * echo.at_m.y, power_w);
   if (bins_.has_voltages()) {
     const SpeckleField::OnFace scatterer =
         speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
@@ -190,7 +192,7 @@ void EchoCells::take_faces() {
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
     if (wants_labels())
       bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
-                         faces_.power_w[k] * face_height_m_[k]);
+                         face_height_w_[k]);
   }
   faces_.n = 0;
 }

@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "server/radar/echo/bin_sums.h"
+#include "server/radar/echo/datum_surface.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
-#include "terrain/frames.h"
 
 namespace obliq {
 
@@ -118,11 +118,11 @@ class EchoCells {
   double list_power_w_[kList]{};
   FaceEchoes faces_{};
   double face_sine_[FaceEchoes::kMost];
-  double face_height_m_[FaceEchoes::kMost];
+  double face_height_w_[FaceEchoes::kMost];
 
   // Of labels.
   const bool wants_labels_;
-  DatumLine datum_[GroundEchoes::kRuns];
+  DatumSurface datum_;
 };
 
 }  // namespace obliq

@@ -60,7 +60,8 @@ class LabelSums {
   bool wanted_;
   std::size_t bins_ = 0;
   std::vector<Row> rows_;
-  std::vector<int> row_of_;  // by kind
+  std::vector<std::vector<double>> spare_;  // memory of the wedge before
+  std::vector<int> row_of_;                 // by kind
 };
 
 }  // namespace obliq

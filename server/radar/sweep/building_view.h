@@ -24,6 +24,9 @@ class BuildingView {
   /// All buildings of an azimuth bin; `profile`: its place in the wedge. False: no building is near it.
   bool see(int azimuth_bin, int profile, EchoCells& cells);
 
+  /// Those of the bin seen last that a plane may cross, by their numbers; `position`: 0 to 1 across the bin.
+  void across(double position, std::vector<std::uint32_t>& buildings) const;
+
   /// Writes the share of a plane's light that buildings leave in each range bin of the bin seen last to
   /// kept[bin * 8], and marks in `cells` where they leave none.
   void kept_shares(int plane, float* kept, EchoCells& cells) const;

@@ -52,7 +52,7 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
   echoes_.n = 0;
   if (!cells.wants_labels()) return;
   stretches_ = std::make_unique<GroundStretches>();
-  returns_ = std::make_unique<SweptReturns>(plan);
+  returns_ = std::make_unique<SweptReturns>(plan, planes_);
 }
 
 std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
@@ -83,6 +83,10 @@ void SweepEchoes::view_buildings() {
       view_.kept_shares(
           plane, kept_.data() + static_cast<std::size_t>(plane) * shares + static_cast<std::size_t>(profile),
           cells_);
+    for (int plane = 0; returns_ && plane < planes_; ++plane) {
+      std::vector<std::uint32_t>& buildings = returns_->buildings(plane, profile);
+      view_.across((plane + 0.5) / planes_, buildings);
+    }
   }
 }
 
@@ -122,7 +126,7 @@ void SweepEchoes::start_plane(int half) {
     set_out(profiles, lane, bearing, plan_.scene().world().grid, plan_.sector().antenna_m, widths);
     const std::size_t run = lane + static_cast<std::size_t>(half) * SightProfiles::kLanes;
     cells_.set_bearing(run, bearing);
-    if (returns_) returns_->start(run, range_.first + static_cast<int>(lane), bearing);
+    if (returns_) returns_->start(run, plane_ + half, static_cast<int>(lane), bearing);
     const ElevationTable& elevation = cut_.echo.elevation;
     cut_.lean[run] = static_cast<float>(elevation.lean_x * bearing.sin + elevation.lean_z * bearing.cos);
   }

@@ -22,12 +22,13 @@ double range_at(double distance_m, double height_m) {
 
 }  // namespace
 
-SweptReturns::SweptReturns(const ScenePlan& plan)
+SweptReturns::SweptReturns(const ScenePlan& plan, int planes)
     : plan_(plan),
       runs_(GroundEchoes::kRuns, Run(plan.bins())),
+      buildings_(static_cast<std::size_t>(planes * kWedgeAzimuthBins)),
       most_(static_cast<std::size_t>(kWedgeAzimuthBins * plan.bins().n_range)) {}
 
-void SweptReturns::start(std::size_t run, int azimuth_bin, SinCos bearing) {
+void SweptReturns::start(std::size_t run, int plane, int profile, SinCos bearing) {
   Run& begun = runs_[run];
   begun.begun = true;
   begun.next = 0;
@@ -38,7 +39,7 @@ void SweptReturns::start(std::size_t run, int azimuth_bin, SinCos bearing) {
   std::vector<RoofSpan>& roofs = begun.roofs;
   roofs.clear();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  for (const std::uint32_t building : plan_.buildings_in(azimuth_bin)) {
+  for (const std::uint32_t building : buildings(plane, profile)) {
     ask(kABuilding);
     add_roof_spans(plan_.scene().world().buildings, building, antenna.x, antenna.z, bearing.sin, bearing.cos,
                    roofs);

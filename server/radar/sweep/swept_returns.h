@@ -14,10 +14,16 @@ namespace obliq {
 /// never lies under ground.
 class SweptReturns {
  public:
-  explicit SweptReturns(const ScenePlan& plan);
+  SweptReturns(const ScenePlan& plan, int planes);
+
+  /// Buildings that a plane of an azimuth bin may cross; `profile`: the bin's place in the wedge. None at
+  /// first.
+  std::vector<std::uint32_t>& buildings(int plane, int profile) {
+    return buildings_[static_cast<std::size_t>(plane * kWedgeAzimuthBins + profile)];
+  }
 
   /// A run of stretches begins: a plane of an azimuth bin.
-  void start(std::size_t run, int azimuth_bin, SinCos bearing);
+  void start(std::size_t run, int plane, int profile, SinCos bearing);
   /// Some of the runs cross roofs: they need the stretches' heights.
   bool any_roofs() const;
   void add(const GroundStretches& stretches);
@@ -52,7 +58,8 @@ class SweptReturns {
 
   const ScenePlan& plan_;
   std::vector<Run> runs_;
-  std::vector<std::uint8_t> most_;  // [8][n_range]
+  std::vector<std::vector<std::uint32_t>> buildings_;  // [planes][8]
+  std::vector<std::uint8_t> most_;                     // [8][n_range]
 };
 
 }  // namespace obliq
