@@ -389,18 +389,6 @@ void BuildingView::add_parts_together(EchoCells& cells) {
   }
 }
 
-void BuildingView::across(double position, std::vector<std::uint32_t>& buildings) const {
-  const float tangent = as_float(std::tan((position - 0.5) * plan_.bins().azimuth_width_rad));
-  buildings.clear();
-  ask(static_cast<std::int64_t>(buildings_.size() + parts_.size()));
-  for (const std::uint32_t building : buildings_)
-    if (near_.has(building)) buildings.push_back(building);
-  for (const Part& part : parts_)
-    if (part.from <= tangent && tangent <= part.to) buildings.push_back(part.building);
-  std::ranges::sort(buildings);
-  buildings.erase(std::unique(buildings.begin(), buildings.end()), buildings.end());
-}
-
 void BuildingView::kept_shares(int plane, float* kept, EchoCells& cells) const {
   ask(columns_.nodes.n_nodes);
   keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
