@@ -165,8 +165,8 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.sec2[k] = echo.sec2_incidence;
   face_sine_[k] = sine;
   if (wants_labels())
-    face_height_w_[k] = datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m,
-                                        power_w * echo.at_m.y, power_w);
+    face_height_m_[k] =
+        datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
     const SpeckleField::OnFace scatterer =
         speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
@@ -192,7 +192,7 @@ void EchoCells::take_faces() {
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
     if (wants_labels())
       bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
-                         face_height_w_[k]);
+                         faces_.power_w[k] * face_height_m_[k]);
   }
   faces_.n = 0;
 }

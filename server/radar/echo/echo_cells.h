@@ -118,7 +118,7 @@ class EchoCells {
   double list_power_w_[kList]{};
   FaceEchoes faces_{};
   double face_sine_[FaceEchoes::kMost];
-  double face_height_w_[FaceEchoes::kMost];
+  double face_height_m_[FaceEchoes::kMost];
 
   // Of labels.
   const bool wants_labels_;

@@ -69,6 +69,12 @@ struct GroundStretches {
   float light[kMost];
   float height[kMost];  ///< above the antenna, times light
 
+  /// Begins a run.
+  void start(std::size_t of) {
+    bin_now[of] = -1;
+    material_now[of] = from_now_m[of] = end_now_m[of] = from_now_h_m[of] = end_now_h_m[of] = 0;
+    light_now[of] = height_now[of] = 0;
+  }
   std::uint32_t run(int k) const { return at[k] % GroundEchoes::kRuns; }
   std::uint32_t bin(int k) const { return (at[k] & kPlaces) / GroundEchoes::kRuns; }
   std::uint8_t material(int k) const { return static_cast<std::uint8_t>(at[k] >> kMaterialBit); }

@@ -51,7 +51,8 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
   echoes_.n = 0;
   if (!cells.wants_labels()) return;
-  stretches_ = std::make_unique<GroundStretches>();
+  stretches_ = std::make_unique_for_overwrite<GroundStretches>();
+  stretches_->n = 0;
   returns_ = std::make_unique<SweptReturns>(plan, planes_);
 }
 
@@ -101,7 +102,7 @@ void SweepEchoes::start_planes() {
   for (std::size_t k = 0; k < GroundEchoes::kRuns; ++k) {
     echoes_.bin_now[k] = -1;
     echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = echoes_.sine_now[k] = 0;
-    if (stretches_) stretches_->bin_now[k] = -1;
+    if (stretches_) stretches_->start(k);
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
   if (stretches_) stretches_->wants_ends = returns_->any_roofs();
