@@ -241,6 +241,15 @@ const char* obliq_radar(const obliq_client* client, int index) {
 int obliq_claim(obliq_client* client, const char* radar, int force) {
   return guarded(client, [&] { return client->client.claim_control(text_of(radar), force != 0); });
 }
+int obliq_claim_part(obliq_client* client, const char* radar, unsigned claims, int force) {
+  static_assert(OBLIQ_POSE == wire::kPoseClaim && OBLIQ_SETTINGS == wire::kSettingsClaim);
+  return guarded(client, [&] {
+    if (claims == 0 || claims > wire::kEveryClaim)
+      return bad("claims: found " + std::to_string(claims) +
+                 "; allowed: OBLIQ_POSE, OBLIQ_SETTINGS, or their sum");
+    return client->client.claim(text_of(radar), static_cast<wire::ClaimSet>(claims), force != 0);
+  });
+}
 int obliq_release(obliq_client* client, const char* radar) {
   return guarded(client, [&] { return client->client.release_control(text_of(radar)); });
 }

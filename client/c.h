@@ -24,6 +24,9 @@ enum obliq_outcome {
   OBLIQ_FAILED = 9 /* no memory, or a fault of the library */
 };
 
+/* Of obliq_claim_part(), to be added. */
+enum obliq_claims { OBLIQ_POSE = 1, OBLIQ_SETTINGS = 2 };
+
 /* Planes of a frame, to be added. */
 enum obliq_planes {
   OBLIQ_IQ = 1,
@@ -105,8 +108,11 @@ uint32_t obliq_error_number(const obliq_client* client);
 /* Names of the server's radars, from 0; NULL past the last. */
 const char* obliq_radar(const obliq_client* client, int index);
 
-/* Moving and setting need control. force: from another client, for an admin. */
+/* Moving needs a radar's pose, setting its settings: both. force: from another client, for an admin. */
 int obliq_claim(obliq_client* client, const char* radar, int force);
+/* claims: those alone, all or none, so that a host flies a radar while another client turns its knobs. */
+int obliq_claim_part(obliq_client* client, const char* radar, unsigned claims, int force);
+/* All that this client holds. */
 int obliq_release(obliq_client* client, const char* radar);
 
 void obliq_no_pose(obliq_pose* pose);

@@ -84,6 +84,7 @@ done
 "$work/consumer/build/consumer" "$address" | tee "$work/out"
 grep -qx '128 x 96 bins of main' "$work/out"
 "$work/consumer/build/careless"
+"$work/consumer/build/from_c"
 "$work/consumer/build/fly" "$address" main 1 | tee "$work/out"
 grep -q '^60 poses; [1-9]' "$work/out"
 # The same mission twice.

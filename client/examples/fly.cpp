@@ -1,5 +1,5 @@
-// A host that flies a radar while others may turn its knobs: claims its pose, sends poses at 60 Hz by its own clock, takes each wedge as it comes,
-// and says how old the pictures are.
+// A host that flies a radar while others may turn its knobs: claims its pose, sends poses at 60 Hz by its own
+// clock, takes each wedge as it comes, and says how old the pictures are.
 //   fly HOST:PORT [RADAR] [SECONDS]
 #include <algorithm>
 #include <chrono>

@@ -31,6 +31,7 @@ class FrameCache : public FrameRenderer {
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override;
   Plan plan_again(const PlannedFrame& frame, const SettingsPtr& settings,
                   const PoseSettings& pose) const override;
+  std::string scene_hash() const override { return renderer_.scene_hash(); }
   std::string fixed() const override { return renderer_.fixed(); }
   wire::PlaneSet planes() const override { return renderer_.planes(); }
 

@@ -44,6 +44,9 @@ int main(int argc, char** argv) {
   obliq_no_pose(&pose);
   pose.bearing_deg = 70;
   said(client, "without control", obliq_move(client, radar, &pose));
+  said(client, "claim nothing", obliq_claim_part(client, radar, 0, 0));
+  said(client, "claim the pose", obliq_claim_part(client, radar, OBLIQ_POSE, 0));
+  said(client, "without settings", obliq_set(client, radar, "receiver_gain_db=6"));
   said(client, "claim", obliq_claim(client, radar, 0));
   said(client, "move", obliq_move(client, radar, &pose));
   said(client, "where", obliq_where(client, radar, &pose));

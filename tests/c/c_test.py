@@ -70,6 +70,8 @@ def check_program(programs, address):
         "nowhere: outcome 1, error 0: address: found \"nowhere:at:all\"; allowed: HOST:PORT",
         "radars main other",
         "without control: outcome 6, error 103: ",
+        "claim nothing: outcome 1, error 0: claims: found 0; allowed: OBLIQ_POSE, OBLIQ_SETTINGS, or their sum",
+        "without settings: outcome 6, error 103: ",
         "where 33.000 -99.500 2500 70", "gain 6 speckle NONE_SPECKLE",
         "wrong name: outcome 1, error 0: settings: gain: found no field of RadarSettings; allowed: those of obliq.proto",
         "wrong number: outcome 1, error 0: settings: azimuth_bins: found 1.5; allowed: a whole number from -2147483648 to 2147483647",

@@ -1,5 +1,5 @@
-// A simulator's datagrams: poses of obliq's own and Entity State PDUs of DIS. Any bytes are a pose within its
-// limits, or none.
+// A simulator's datagrams: poses of obliq's own, Entity State PDUs and orders of DIS. Any bytes are a pose
+// within its limits, or none.
 #include <cmath>
 
 #include "server/apps/ownship/ownship.h"
@@ -17,7 +17,8 @@ void check(const OwnshipPose& pose) {
 void run(std::span<const std::byte> bytes) {
   const auto pose = read_pose_datagram(bytes);
   if (const auto* found = std::get_if<OwnshipPose>(&pose)) check(*found);
-  const auto state = read_entity_state(bytes);
+  const auto state = read_pdu(bytes);
+  if (const auto* order = std::get_if<SimulationOrder>(&state)) (void)is_for(order->receiver, {1, 2, 3});
   if (const auto* found = std::get_if<EntityState>(&state))
     for (const double after_s : {0.0, 0.1, 12.0}) check(dead_reckoned(*found, after_s));
 }

@@ -287,6 +287,10 @@ void write_ownship() {
   pdu += '\4';
   pdu.resize(144, '\0');
   write_seed("ownship", "entity", pdu);
+  // Stop/Freeze to 1:2:3, 7.5.5.
+  std::string stop{7, 1, 14, 5, 0, 0, 0, 0, 0, 40, 0, 0, 0, 9, 0, 9, 0, 9, 0, 1, 0, 2, 0, 3};
+  stop.resize(40, '\0');
+  write_seed("ownship", "stop", stop);
 }
 
 void write_modbus() {
@@ -299,7 +303,7 @@ void write_modbus() {
   write_seed("modbus", "pose", pose + apply);
   write_seed("modbus", "refused", modbus({6, 0, 254, 0xFF, 0xFF}) + modbus({6, 0, 250, 0, 9}) + apply);
   write_seed("modbus", "coils",
-             modbus({5, 0, 0, 0, 0}) + modbus({15, 0, 0, 0, 5, 1, 0x1B}) + pose + modbus({5, 0, 4, 0xFF, 0}));
+             modbus({5, 0, 0, 0, 0}) + modbus({15, 0, 0, 0, 7, 1, 0x7B}) + pose + modbus({5, 0, 4, 0xFF, 0}));
   write_seed("modbus", "others",
              modbus({22, 0, 230, 0, 0, 0, 5}) + modbus({23, 0, 200, 0, 4, 0, 230, 0, 1, 2, 0, 100}) +
                  modbus({6, 1, 44, 0, 7}));

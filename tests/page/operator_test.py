@@ -236,6 +236,68 @@ class Operator(unittest.TestCase):
         self.assertIn("045.0°", self.page.script("return document.querySelector('[data-of=m1]').textContent"))
         self.assertIn("5.50 NM", self.page.script("return document.querySelector('[data-of=m2]').textContent"))
 
+    def test_a_line_is_placed_by_a_click_and_dragged_alone(self):
+        self.show("a=turning&up=north")
+        self.page.script("document.getElementById('vrm-1').click()")
+        self.assertEqual(self.page.script("return obliq.look.armed"), ["vrm", 0])
+        mouse = """
+            const { ppi } = obliq.panes[0], box = ppi.element.getBoundingClientRect(), [kind, [x, y]] = [arguments[0], ppi.screenOf(arguments[1], arguments[2])];
+            ppi.element.setPointerCapture = () => {};
+            ppi.element.dispatchEvent(new PointerEvent(kind, { clientX: box.left + x, clientY: box.top + y, pointerId: 1, pointerType: 'mouse', bubbles: true }));"""
+        for kind in ("pointerdown", "pointerup"):
+            self.page.script(mouse, kind, 30, 8000)
+        ebl, vrm = self.page.script("return [obliq.look.lines.ebl[0], obliq.look.lines.vrm[0]]")
+        self.assertIsNone(ebl, "the range marker alone")
+        self.assertAlmostEqual(vrm, 8000, delta=60)
+        for kind, bearing, slant in (("pointerdown", 120, 8000), ("pointermove", 121, 9000), ("pointermove", 125, 10000), ("pointerup", 125, 10000)):
+            self.page.script(mouse, kind, bearing, slant)
+        self.assertAlmostEqual(self.page.script("return obliq.look.lines.vrm[0]"), 10000, delta=60)
+        self.assertIsNone(self.page.script("return obliq.look.window"), "the picture stays")
+        self.page.script("document.getElementById('vrm-1').click()")
+        self.assertIsNone(self.page.script("return obliq.look.lines.vrm[0]"))
+
+    def test_a_profile_along_a_bearing_line_is_the_ground_that_a_query_finds(self):
+        self.show("a=turning&up=north&profile=1")
+        with self.server.radar("turning").control() as control:
+            control.set_pose(height_m=80.0, height_reference="ground")
+        self.addCleanup(self.lift)
+        self.page.script("obliq.setLines({ ebl: [75, null], vrm: [null, null] })")
+        self.page.await_script("obliq.panes[0].profile.points.length > 200", "a profile")
+        time.sleep(1.5)
+        self.page.await_script("obliq.panes[0].profile.points.filter(({ seen }) => !seen).length > 5", "hidden ground")
+        points, places = self.page.script("""const [{ profile, bins: { placement } }] = obliq.panes;
+            return [profile.points, profile.points.map(({ slant_m }) => placement.located(75, slant_m))];""")
+        found = self.server.radar("turning").query([p["latitude_deg"] for p in places], [p["longitude_deg"] for p in places])
+        for k in range(0, len(points), 9):
+            self.assertAlmostEqual(points[k]["height_m"], found.height_m[k], delta=1e-6)
+            self.assertEqual(points[k]["seen"], bool(found.visible[k]))
+        colours = self.page.script("""const { canvas, context } = obliq.panes[0].profile;
+            const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+            let [green, blue] = [0, 0];
+            for (let k = 0; k < data.length; k += 4) { green += data[k + 1] === 125 && data[k] === 44; blue += data[k + 2] === 79 && data[k] === 29 && data[k + 1] === 47; }
+            return [green, blue];""")
+        self.assertGreater(min(colours), 50)
+
+    def lift(self):
+        with self.server.radar("turning").control() as control:
+            control.set_pose(height_m=2500.0, height_reference="datum")
+
+    def test_the_course_of_a_flight_is_said_and_may_be_up(self):
+        self.show("a=nose&up=course")
+        with self.server.radar("nose").control() as control:
+            began = time.monotonic()
+            while (since := time.monotonic() - began) < 5:  # 100 m/s to the south-east
+                control.set_pose(latitude_deg=33 - 70.7 * since / 110900, longitude_deg=-99.5 + 70.7 * since / 93450, bearing_deg=60.0)
+                time.sleep(0.05)
+            course, speed, up = self.page.script("const { ppi, heading } = obliq.panes[0]; return [heading.course_deg, heading.speed_mps, ppi.view.up_deg]")
+            words = self.page.script("return document.querySelector('.annun.upper.right').textContent")
+            control.set_pose(latitude_deg=33.0, longitude_deg=-99.5)
+        self.assertAlmostEqual(course, 135, delta=2)
+        self.assertAlmostEqual(speed, 100, delta=25)
+        self.assertAlmostEqual(up, course, delta=1)
+        self.assertIn("CRS UP  R", words)
+        self.assertRegex(words, r"CRS 13\d\.\d° T  1\d\d kt|CRS 13\d\.\d° T  2\d\d kt")
+
     def test_a_b_scope_has_bearings_across_and_ranges_upwards(self):
         self.show("a=nose&bscope=1")
         self.page.await_frame(2)

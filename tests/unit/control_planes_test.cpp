@@ -32,8 +32,8 @@ TEST_F(Planes, FollowTheQualityWhereNothingNamesThem) {
   EXPECT_EQ(of(std::string(kBins) + "[frustum]\nquality = \"reference\"\n"), "8 800");
   EXPECT_EQ(of(std::string(kBins) + "[frustum]\nquality = \"reference\"\nplanes_per_bin = 0\n"), "8 800");
   EXPECT_EQ(of(std::string(kBins) + "[frustum]\nquality = \"paper\"\n"), "0 2048") << "rays have pixels";
-  EXPECT_EQ(of(std::string(kBins) + "[frustum]\nkind = \"sweep\"\n"), "0 2048")
-      << "the bits that it always had";
+  EXPECT_EQ(of(std::string(kBins) + "[frustum]\nkind = \"sweep\"\n"), "21 2100")
+      << "the bits that it always had: those of 2048 columns";
   EXPECT_EQ(of("[frustum]\nquality = \"reference\"\n[bins]\nazimuth = 3000\n"), "6 16384")
       << "as many as before";
 }

@@ -201,7 +201,12 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   radar.choice = choose_frustum(frusta);
   for (const ConfigNode& frustum : frusta) read_frustum(frustum, radar, scene.complaints);
 
-  settle_planes(radar.config.settings, false);
+  // A sweep that names no quality has the columns that it always had; they follow the bins from here on.
+  RadarSettings& settings = radar.config.settings;
+  if (settings.frustum == FrustumKind::sweep && settings.planes_per_bin == 0 && settings.azimuth_bins >= 1 &&
+      !radar.set_at.contains("frustum.pixel_columns"))
+    settings.planes_per_bin = (settings.pixel_columns + settings.azimuth_bins - 1) / settings.azimuth_bins;
+  settle_planes(settings, false);
   radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
   std::vector<FieldError> errors = validate(radar.config);
   for (FieldError& error : flat_plate_faults(radar.config.settings, scene.config.materials))

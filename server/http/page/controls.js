@@ -12,7 +12,7 @@ const $ = (id) => document.getElementById(id);
 /** @type {Record<string, any>} what the fragment may say, and what holds without it */
 export const DEFAULTS = {
   palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "auto", slant: false, unit: "km",
-  rings: true, overlay: false, label: "", bscope: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
+  rings: true, overlay: false, label: "", bscope: false, profile: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
 };
 
 export function readFragment() {
@@ -77,6 +77,7 @@ export class Display {
       app.fillSources();
       app.keep();
     };
+    $("profile").onclick = () => this.set({ profile: !look.profile });
     $("bscope").onclick = () => this.set({ bscope: !look.bscope });
     $("by-ground").onclick = () => this.set({ slant: false });
     $("by-slant").onclick = () => this.set({ slant: true });
@@ -189,6 +190,7 @@ export class Display {
     const now = this.#upNow();
     for (const up of UPS) check(`up-${up}`, now === up);
     press("bscope", look.bscope);
+    press("profile", look.profile);
     $("expert").checked = this.app.kept.expert;
     $("size").value = String(look.size);
     check("by-ground", !look.slant);

@@ -5,8 +5,8 @@ import { DEGREE, inverse, turned } from "./placement.js";
 
 export const UPS = ["north", "bearing", "heading", "course"];
 export const UP_WORDS = { north: "N UP", bearing: "BRG UP", heading: "HDG UP", course: "CRS UP" };
-const LEAST_M = 15; // between places that give a course
-const LONGEST_S = 20; // a course is no older
+const LEAST_M = 5; // way that gives a course
+const OVER_MS = 3000; // that it is looked at over
 
 /** Heading, course and speed of one radar, from its poses. */
 export class Heading {
@@ -18,7 +18,7 @@ export class Heading {
     this.heading_deg = null; // true; null: the poses have none
     this.course_deg = null; // null: it stands
     this.speed_mps = 0;
-    this.past = null; // a place, and when it was
+    this.trail = []; // places of late, and when they were
     this.moved_ms = -Infinity; // when the newest pose was another than the one before
     this.key = "";
   }
@@ -30,19 +30,16 @@ export class Heading {
     const key = [...place, pose.height_m, pose.bearing_deg, pose.tilt_deg].join();
     if (this.key && key !== this.key) this.moved_ms = now_ms;
     this.key = key;
-    const { past } = this;
-    if (!past) {
-      this.past = { place, at_ms: now_ms };
-      return;
-    }
-    const [east_m, north_m] = inverse(...past.place, ...place);
+    const { trail } = this;
+    trail.push({ place, at_ms: now_ms });
+    while (trail.length > 2 && trail[1].at_ms < now_ms - OVER_MS) trail.shift();
+    const took_ms = now_ms - trail[0].at_ms;
+    if (took_ms < OVER_MS / 2) return;
+    const [east_m, north_m] = inverse(...trail[0].place, ...place);
     const way_m = Math.hypot(east_m, north_m);
-    const took_s = (now_ms - past.at_ms) / 1000;
-    if (took_s > LONGEST_S) [this.course_deg, this.speed_mps, this.past] = [null, 0, { place, at_ms: now_ms }];
-    if (way_m < LEAST_M || took_s < 0.5) return;
-    this.course_deg = turned(Math.atan2(east_m, north_m) / DEGREE);
-    this.speed_mps = way_m / took_s;
-    this.past = { place, at_ms: now_ms };
+    const stands = way_m < LEAST_M;
+    this.course_deg = stands ? null : turned(Math.atan2(east_m, north_m) / DEGREE);
+    this.speed_mps = stands ? 0 : (1000 * way_m) / took_ms;
   }
 
   /** Whether poses that differ still come. */

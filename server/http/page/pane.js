@@ -5,6 +5,7 @@ import { Bins } from "./bins.js";
 import { asStates } from "./labels.js";
 import { Levels } from "./levels.js";
 import { Ppi } from "./ppi.js";
+import { Profile } from "./profile.js";
 import { Scope } from "./scope.js";
 import { refusalText } from "./form.js";
 import { changesOf } from "./sources.js";
@@ -32,6 +33,7 @@ export class Pane {
     this.bins = new Bins();
     this.ppi = new Ppi(this.element.querySelector(".ppi"), this.bins, app.look);
     this.scope = new Scope(this.element.querySelector(".scope"));
+    this.profile = new Profile(this.scope.canvas);
     this.annunciators = new Annunciators(this.ppi.element);
     this.banner = this.element.querySelector(".banner");
     this.about = this.element.querySelector(".about");
@@ -144,7 +146,10 @@ export class Pane {
     if (!isHeld) this.held_ms = now_ms;
     const hadMarks = ppi.needs.marks;
     const isNew = ppi.draw(now_ms, isHeld ? this.held_ms ?? now_ms : null);
-    if (isNew || (hadMarks && !ppi.needs.marks)) this.scope.draw(bins, this.app.look, cursor && ppi.read(cursor));
+    if (isNew || (hadMarks && !ppi.needs.marks)) {
+      if (this.profile.isWanted(this)) this.profile.draw(this);
+      else this.scope.draw(bins, this.app.look, cursor && ppi.read(cursor));
+    }
     if (!isNew || isHeld) return;
     if (!this.levels.isSettled) this.level(now_ms);
     const { newest } = bins;

@@ -24,6 +24,7 @@ const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
  * @property {number} afterglow_s
  * @property {"auto"|"north"|"bearing"|"heading"|"course"} up
  * @property {boolean} bscope azimuths across, ranges upwards, instead of places
+ * @property {boolean} profile below the first picture, the ground along bearing line 1
  * @property {number} px CSS pixels of one of the page's own
  * @property {boolean} slant
  * @property {"km"|"NM"} unit
@@ -154,7 +155,7 @@ export class Ppi {
 
   /** Edges of a B-scope, in the page's pixels. */
   get box() {
-    const side = Math.min(128, this.width / 8); // room for words and legend
+    const side = Math.min(140, this.width / 8); // room for words and legend
     return { left: side, right: this.width - side, top: 44, bottom: this.height - 34 };
   }
 

@@ -89,7 +89,7 @@ export class Link {
   /**
    * @param {string} type
    * @param {object} [body]
-   * @returns {Promise<any>} the answer's body
+   * @returns {Promise<any>} the answer's body; of a GroundAnswer also its plane
    */
   ask(type, body = {}) {
     return new Promise((resolve, reject) => {
@@ -182,7 +182,7 @@ export class Link {
       this.waiting.delete(body.request_id);
       clearTimeout(waiting.limit);
       if (type === "Error") waiting.reject(new Refused(body));
-      else waiting.resolve(body);
+      else waiting.resolve(type === "GroundAnswer" ? { ...body, plane: message.plane } : body);
     } else if (type === "Error" && (body.number ?? 0) < 100) {
       this.#refuse(new Refused(body));
     } else {

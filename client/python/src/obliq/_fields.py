@@ -97,11 +97,12 @@ class Fields:
         return {name: value for name in self.names() if (value := getattr(self, name)) is not None}
 
     def _replaced(self: F, changes: Mapping[str, Any]) -> F:
-        kept = self.as_dict()
-        # Columns that follow planes_per_bin are the server's to make: sent, they would decide.
+        kept, changes = self.as_dict(), dict(changes)
         both = {**kept, **changes}
-        if both.get("planes_per_bin") and both.get("frustum") == "sweep":
-            kept.pop("pixel_columns", None)
+        if both.get("planes_per_bin") and changes.get("pixel_columns") is not None:
+            changes["planes_per_bin"] = 0  # columns that are named decide
+        elif both.get("planes_per_bin") and both.get("frustum") == "sweep":
+            kept.pop("pixel_columns", None)  # they follow, and are the server's to make: sent, they would decide
         return type(self).of(kept, "replace", **changes)
 
     def write(self, message: M) -> M:

@@ -1,0 +1,140 @@
+// The ground along bearing line 1, from QueryGround: how high it is, and what of it the antenna sees.
+
+import { UNIT_M, stepOf } from "./grid.js";
+import { bearingText } from "./readout.js";
+import { number } from "./messages.js";
+
+const POINTS = 256;
+const PAUSE_MS = 500; // between questions
+const LEFT = 42;
+const BOTTOM = 16;
+const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
+const SEEN = [1, 2]; // of a record's sight: visible, visible over unknown ground
+
+/** @typedef {{slant_m: number, known: boolean, height_m: number, surface_m: number, seen: boolean}} Point */
+
+/** Records of a GroundAnswer: PROTOCOL.md, "Ground queries". @returns {Omit<Point, "slant_m">[]} */
+export function recordsOf({ points, record_bytes }, plane) {
+  const view = new DataView(plane.buffer, plane.byteOffset, plane.byteLength);
+  return Array.from({ length: number(points) }, (_, k) => {
+    const at = k * number(record_bytes);
+    return { known: view.getUint8(at + 60) === 0, height_m: view.getFloat64(at + 16, true), surface_m: view.getFloat64(at + 24, true),
+      seen: SEEN.includes(view.getUint8(at + 61)) };
+  });
+}
+
+export class Profile {
+  /** @param {HTMLCanvasElement} canvas the A-scope's */
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    /** @type {Point[]} */
+    this.points = [];
+    this.antenna_m = NaN; // above the datum
+    this.bearing_deg = 0;
+    this.says = "";
+    this.key = "";
+    this.asked_ms = -Infinity;
+  }
+
+  /** @param {import("./pane.js").Pane} pane */
+  isWanted({ app, radar }) {
+    return app.look.profile && app.look.lines.ebl[0] !== null && Boolean(radar);
+  }
+
+  /** Asks where something has changed. @param {import("./pane.js").Pane} pane */
+  async ask({ app: { link, look }, bins: { placement }, radar, newestPose }) {
+    const now = performance.now();
+    const bearing_deg = look.lines.ebl[0];
+    const key = [radar, bearing_deg, placement.r0_m, placement.rMax_m, newestPose?.latitude_deg, newestPose?.longitude_deg, newestPose?.height_m].join();
+    if (key === this.key || this.pending || now - this.asked_ms < PAUSE_MS || !link.isLive) return;
+    [this.key, this.asked_ms, this.pending] = [key, now, true];
+    const slants = Array.from({ length: POINTS }, (_, k) => placement.r0_m + ((k + 0.5) / POINTS) * (placement.rMax_m - placement.r0_m));
+    const places = slants.map((slant_m) => placement.located(bearing_deg, slant_m));
+    try {
+      const answer = await link.ask("QueryGround", { radar, latitude_deg: places.map((p) => p.latitude_deg), longitude_deg: places.map((p) => p.longitude_deg) });
+      this.points = recordsOf(answer, answer.plane).map((point, k) => ({ slant_m: slants[k], ...point }));
+      this.antenna_m = answer.antenna && (answer.antenna.height_reference ?? "DATUM") === "DATUM" ? number(answer.antenna.height_m) : NaN;
+      this.bearing_deg = bearing_deg;
+      this.says = "";
+    } catch (error) {
+      [this.points, this.says] = [[], error.message];
+    }
+    this.pending = false;
+  }
+
+  /** @param {import("./pane.js").Pane} pane */
+  draw(pane) {
+    this.ask(pane);
+    const { canvas, context: c } = this;
+    const { look } = pane.app;
+    const { placement } = pane.bins;
+    const [width, height] = [canvas.clientWidth / look.px, canvas.clientHeight / look.px];
+    if (!placement || width < 40 || height < 20) return;
+    const density = Math.min(devicePixelRatio || 1, 2) * look.px;
+    const [w, h] = [Math.round(width * density), Math.round(height * density)];
+    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+    c.setTransform(density, 0, 0, density, 0, 0);
+    c.clearRect(0, 0, width, height);
+    c.font = FONT;
+    c.fillStyle = "#a9c4be";
+    c.textAlign = "right";
+    c.fillText(this.says || `profile ${bearingText(this.bearing_deg)} T`, width - 8, 13);
+    c.textAlign = "left";
+    const known = this.points.filter((point) => point.known);
+    if (known.length === 0) return;
+    const least = Math.min(...known.map((point) => point.height_m));
+    const most = Math.max(...known.map((point) => point.surface_m), Number.isNaN(this.antenna_m) ? -Infinity : this.antenna_m);
+    const span = Math.max(10, most - least);
+    const floor = height - BOTTOM - 1;
+    const x = (slant_m) => LEFT + ((slant_m - placement.r0_m) / (placement.rMax_m - placement.r0_m)) * (width - LEFT - 6);
+    const y = (m) => 6 + (1 - (m - least) / (1.04 * span)) * (floor - 8);
+    this.#axes(c, placement, look, x, y, width, height, least, span);
+    const each = (width - LEFT - 6) / POINTS;
+    for (const point of this.points) {
+      if (!point.known) continue;
+      const left = x(point.slant_m) - each / 2;
+      c.fillStyle = point.seen ? "#2c7d4f" : "#1d2f4f";
+      c.fillRect(left, y(point.height_m), each + 0.5, floor - y(point.height_m));
+      c.fillStyle = point.seen ? "#8ee6b2" : "#5d78a8";
+      c.fillRect(left, y(point.surface_m) - 1, each + 0.5, 2);
+    }
+    if (!Number.isNaN(this.antenna_m)) {
+      c.strokeStyle = "#ffa94d";
+      c.setLineDash([3, 4]);
+      c.beginPath();
+      c.moveTo(LEFT, y(this.antenna_m));
+      c.lineTo(width - 6, y(this.antenna_m));
+      c.stroke();
+      c.setLineDash([]);
+    }
+  }
+
+  #axes(c, placement, look, x, y, width, height, least, span) {
+    c.strokeStyle = "rgba(132, 196, 180, 0.18)";
+    c.fillStyle = "#a9c4be";
+    c.beginPath();
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    const step = stepOf(span, Math.max(2, Math.floor(height / 30)));
+    for (let m = Math.ceil(least / step) * step; m <= least + span; m += step) {
+      c.moveTo(LEFT, y(m));
+      c.lineTo(width - 6, y(m));
+      c.fillText(String(m), LEFT - 5, Math.max(7, y(m)));
+    }
+    c.textAlign = "center";
+    c.textBaseline = "alphabetic";
+    const unit_m = UNIT_M[look.unit];
+    const each = stepOf((placement.rMax_m - placement.r0_m) / unit_m, Math.max(2, Math.floor(width / 90)));
+    for (let n = Math.ceil(placement.r0_m / unit_m / each); n * each * unit_m <= placement.rMax_m; ++n) {
+      const at = x(n * each * unit_m);
+      c.moveTo(at, 2);
+      c.lineTo(at, height - BOTTOM);
+      if (at < width - 20) c.fillText(String(+(n * each).toFixed(3)), at, height - 4);
+    }
+    c.stroke();
+    c.textAlign = "left";
+    c.fillText(look.unit, 4, height - 4);
+    c.fillText("m", LEFT + 4, 13);
+  }
+}
