@@ -11,7 +11,9 @@
 namespace obliq {
 namespace {
 
-constexpr int kPlanes = 2;
+/// In an azimuth bin: as many as the sweep has as a rule; of cameras one, which costs a fifth of a frame.
+int planes_of(const ScenePlan& plan) { return plan.settings().frustum == FrustumKind::sweep ? 2 : 1; }
+
 constexpr double kGap_m = GroundStretches::kGap_m;
 
 // In units of ask().
@@ -49,9 +51,10 @@ struct Sink {
 void count_returns(const ScenePlan& plan, int azimuth_bin, std::uint8_t* most) {
   const World& world = plan.scene().world();
   const glm::dvec3& antenna = plan.sector().antenna_m;
-  for (int plane = 0; plane < kPlanes; ++plane) {
+  const int planes = planes_of(plan);
+  for (int plane = 0; plane < planes; ++plane) {
     const SinCos bearing =
-        plan.sector().world_bearing(plan.bins().azimuth_edge_rad(azimuth_bin + (plane + 0.5) / kPlanes));
+        plan.sector().world_bearing(plan.bins().azimuth_edge_rad(azimuth_bin + (plane + 0.5) / planes));
     std::vector<RoofSpan> spans;
     for (const std::uint32_t building : plan.buildings_in(azimuth_bin)) {
       ask(kABuilding);
