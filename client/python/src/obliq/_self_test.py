@@ -76,7 +76,7 @@ LEAST_POWER = 1e-6  # of the median: -60 dB
 
 def labels(folder: pathlib.Path, obliqd: str | None) -> tuple[bool, str]:
     """The label `building` is the share of the power that goes where the buildings are dark."""
-    poses = [{"latitude_deg": 33.0, "longitude_deg": -99.5, "bearing_deg": 60.0 * k} for k in range(3)]
+    poses = [{"latitude_deg": 33.0, "longitude_deg": -99.5, "height_m": 900.0, "bearing_deg": 60.0 * k} for k in range(3)]
     frames = []
     for name, gamma_db in (("lit", -5.0), ("dark", DARK_DB)):
         scene = folder / f"{name}.toml"
