@@ -209,9 +209,9 @@ class Operator(unittest.TestCase):
             control.set_pose(bearing_deg=60.0)
         self.show("a=turning&unit=NM")
         words = "return [...document.querySelectorAll('.annun')].map(({ textContent }) => textContent).join('|')"
-        support.await_that(lambda: "BRG 060" in self.page.script(words), "words in the corners")
+        support.await_that(lambda: "HDG 060.0° T" in self.page.script(words), "words in the corners")
         text = self.page.script(words)
-        for part in ("RNG 8.1 NM", "TURNING 20 RPM", "N UP  T", "BRG 060.0° T", "33°00.0′N", "099°30.0′W", "HGT 2500 m", "GAIN 0 dB", "SEA OFF", "RAIN OFF",
+        for part in ("RNG 8.1 NM", "TURNING 20 RPM", "N UP  T", "HDG 060.0° T", "33°00.0′N", "099°30.0′W", "HGT 2500 m", "GAIN 0 dB", "SEA OFF", "RAIN OFF",
                      "TILT −8.0°"):
             self.assertIn(part, text)
 

@@ -49,7 +49,7 @@ export class Annunciators {
   /** @param {import("./pane.js").Pane} pane */
   show(pane) {
     const { bins: { descriptor: d, placement }, ppi, info, heading, app: { look } } = pane;
-    if (!d) return;
+    if (!d || !placement) return;
     const s = d.settings;
     const pose = pane.newestPose ?? d.pose ?? {};
     const { ringStep } = ppi;

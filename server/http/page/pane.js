@@ -111,7 +111,7 @@ export class Pane {
     this.newestPose = pose;
     const { heading, ppi, app: { look } } = this;
     heading.take(pose, performance.now());
-    if (look.up !== "heading" && look.up !== "course") return;
+    if (!this.bins.placement || (look.up !== "heading" && look.up !== "course")) return;
     const { up_deg } = heading.up(look.up, this.bins.placement);
     if (Math.abs(((up_deg - ppi.view.up_deg + 540) % 360) - 180) > 0.5) ppi.refresh();
   }
