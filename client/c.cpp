@@ -24,7 +24,8 @@ using client::Status;
 static_assert(static_cast<int>(Outcome::untrusted) == OBLIQ_UNTRUSTED &&
               static_cast<int>(Outcome::refused) == OBLIQ_REFUSED);
 static_assert(wire::plane_bit(wire::Plane::iq) == OBLIQ_IQ &&
-              wire::plane_bit(wire::Plane::video) == OBLIQ_VIDEO);
+              wire::plane_bit(wire::Plane::video) == OBLIQ_VIDEO &&
+              wire::plane_bit(wire::Plane::returns) == OBLIQ_RETURNS);
 static_assert(sizeof(std::complex<float>) == 2 * sizeof(float));
 
 namespace {
@@ -153,7 +154,7 @@ obliq_pose read(const wire::Pose& from) {
 }
 
 Status read_planes(unsigned planes, google::protobuf::RepeatedField<int>& list) {
-  if (planes == 0 || planes > wire::kEveryPlane)
+  if (planes == 0 || (planes & ~unsigned{wire::kEveryPlane}) != 0)
     return bad("planes: found " + std::to_string(planes) + "; allowed: a sum of obliq_planes");
   for (int plane = 0; plane < wire::kPlanes; ++plane)
     if ((planes >> plane & 1u) != 0) list.Add(plane);
@@ -186,7 +187,11 @@ void show(obliq_client& self, obliq_frame& to) {
         plane_or_null(frame.power_w),
         plane_or_null(frame.count),
         plane_or_null(frame.state),
-        plane_or_null(frame.video)};
+        plane_or_null(frame.video),
+        plane_or_null(frame.material),
+        plane_or_null(frame.building),
+        plane_or_null(frame.height_m),
+        plane_or_null(frame.returns)};
 }
 
 int seen(wire::Sight sight) {

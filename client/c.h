@@ -28,7 +28,17 @@ enum obliq_outcome {
 enum obliq_claims { OBLIQ_POSE = 1, OBLIQ_SETTINGS = 2 };
 
 /* Planes of a frame, to be added. */
-enum obliq_planes { OBLIQ_IQ = 1, OBLIQ_POWER = 2, OBLIQ_COUNT = 4, OBLIQ_STATE = 8, OBLIQ_VIDEO = 16 };
+enum obliq_planes {
+  OBLIQ_IQ = 1,
+  OBLIQ_POWER = 2,
+  OBLIQ_COUNT = 4,
+  OBLIQ_STATE = 8,
+  OBLIQ_VIDEO = 16,
+  OBLIQ_MATERIAL = 64, /* labels: PROTOCOL.md, "Labels" */
+  OBLIQ_BUILDING = 128,
+  OBLIQ_HEIGHT = 256,
+  OBLIQ_RETURNS = 512
+};
 
 /* Where the antenna is and where it looks, as Pose in obliq.proto. NaN (obliq_no_pose) leaves a value as it
  * is. */
@@ -63,7 +73,11 @@ typedef struct obliq_frame {
   const double* power_w;
   const uint32_t* count;
   const uint8_t* state;
-  const uint16_t* video; /* levels 0 to 255 */
+  const uint16_t* video;   /* levels 0 to 255 */
+  const uint8_t* material; /* 255: none */
+  const float* building;
+  const float* height_m; /* NaN: none */
+  const uint8_t* returns;
 } obliq_frame;
 
 /* What is at a place of the ground, and whether the antenna sees it. */

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <utility>
 
@@ -26,6 +27,7 @@ constexpr std::uint64_t kLeastPartOfPass = 64;
 // frame's beginning is less than a megabyte.
 constexpr int kMostAzimuths = 1 << 14;
 constexpr int kMostRanges = 1 << 24;
+constexpr std::uint8_t kNoMaterial = 255;
 
 Status bad(std::string text) { return Status::failure(Outcome::bad_stream, std::move(text)); }
 
@@ -84,6 +86,10 @@ void FrameAssembler::allocate() {
   frame_.count.assign(wanted(wire::Plane::count), 0);
   frame_.state.assign(wanted(wire::Plane::state), 0);
   frame_.video.assign(wanted(wire::Plane::video), 0);
+  frame_.material.assign(wanted(wire::Plane::material), kNoMaterial);
+  frame_.building.assign(wanted(wire::Plane::building), 0);
+  frame_.height_m.assign(wanted(wire::Plane::height), std::numeric_limits<float>::quiet_NaN());
+  frame_.returns.assign(wanted(wire::Plane::returns), 0);
   allocated_ = true;
   for (const Early& early : std::exchange(early_, {})) keep(early.plane, early.place, early.values);
 }
@@ -131,8 +137,10 @@ Status FrameAssembler::on_begin(const wire::MessageHeader& header, const wire::F
 }
 
 std::byte* FrameAssembler::plane_data(wire::Plane plane) {
-  void* const data[wire::kPlanes] = {frame_.iq.data(), frame_.power_w.data(), frame_.count.data(),
-                                     frame_.state.data(), frame_.video.data()};
+  void* const data[wire::kPlanes] = {frame_.iq.data(),       frame_.power_w.data(),  frame_.count.data(),
+                                     frame_.state.data(),    frame_.video.data(),    nullptr,
+                                     frame_.material.data(), frame_.building.data(), frame_.height_m.data(),
+                                     frame_.returns.data()};
   return static_cast<std::byte*>(data[static_cast<int>(plane)]);
 }
 

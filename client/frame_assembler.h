@@ -32,14 +32,19 @@ struct AssembledFrame {
   double render_s = 0;  ///< how long the server took
   std::unique_ptr<wire::FrameDescriptor> descriptor;
   std::unique_ptr<wire::FrameSummary> summary;
-  /// First azimuth bin and number of bins of what a scanning antenna missed: 0 and "not sampled" here.
+  /// First azimuth bin and number of bins of what a scanning antenna missed: 0 and "not sampled" here, and
+  /// labels of nothing.
   std::vector<std::pair<int, int>> missed;
   std::vector<std::complex<float>> iq;  ///< descriptor.unit
   std::vector<double> power_w;
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;
-  std::vector<std::uint16_t> video;  ///< levels of video_bits
-  int video_bits = 8;                ///< of what was sent; without video means nothing
+  std::vector<std::uint16_t> video;    ///< levels of video_bits
+  std::vector<std::uint8_t> material;  ///< labels: an index of descriptor.materials; 255: none
+  std::vector<float> building;         ///< share of the mean power that buildings give
+  std::vector<float> height_m;         ///< above the datum, weighed by power; NaN: no power
+  std::vector<std::uint8_t> returns;   ///< separate stretches of visible surface in the bin
+  int video_bits = 8;                  ///< of what was sent; without video means nothing
 };
 
 /// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin

@@ -8,8 +8,12 @@ std::uint32_t bytes_per_bin(Plane plane) {
     case Plane::power:
       return 8;
     case Plane::count:
+    case Plane::building:
+    case Plane::height:
       return 4;
     case Plane::state:
+    case Plane::material:
+    case Plane::returns:
       return 1;
     case Plane::video:
       return 2;
@@ -38,6 +42,14 @@ const char* plane_name(Plane plane) {
       return "state";
     case Plane::video:
       return "video";
+    case Plane::material:
+      return "material";
+    case Plane::building:
+      return "building";
+    case Plane::height:
+      return "height";
+    case Plane::returns:
+      return "returns";
   }
   return "?";
 }
@@ -51,8 +63,16 @@ std::string plane_names(PlaneSet planes) {
   return names;
 }
 
+std::string numbered_planes() {
+  std::string planes;
+  for (int i = 0; i < kPlanes; ++i)
+    if (const auto plane = plane_from_number(i))
+      planes += (planes.empty() ? "" : ", ") + std::to_string(i) + " (" + plane_name(*plane) + ")";
+  return planes;
+}
+
 std::optional<Plane> plane_from_number(int number) {
-  if (number < 0 || number >= kPlanes) return std::nullopt;
+  if (number < 0 || number >= kPlanes || ((kEveryPlane >> number) & 1) == 0) return std::nullopt;
   return static_cast<Plane>(number);
 }
 

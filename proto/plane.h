@@ -6,19 +6,30 @@
 namespace obliq::wire {
 
 /// One quantity per bin; the numbers are those of the protobuf enumeration PlaneKind.
-enum class Plane : std::uint8_t { iq = 0, power = 1, count = 2, state = 3, video = 4 };
-constexpr int kPlanes = 5;
+enum class Plane : std::uint8_t {
+  iq = 0,
+  power = 1,
+  count = 2,
+  state = 3,
+  video = 4,
+  material = 6,
+  building = 7,
+  height = 8,
+  returns = 9
+};
+constexpr int kPlanes = 10;  ///< numbers, one of which is no plane
 
 /// A set of planes, bit n for plane n.
-using PlaneSet = std::uint8_t;
-constexpr PlaneSet kAllPlanes = 0x0F;  ///< of a client that names none: all but video
-constexpr PlaneSet kEveryPlane = 0x1F;
+using PlaneSet = std::uint16_t;
+constexpr PlaneSet kAllPlanes = 0x0F;     ///< of a client that names none: all but video
+constexpr PlaneSet kLabelPlanes = 0x3C0;  ///< what the ground is: material, building, height, returns
+constexpr PlaneSet kEveryPlane = 0x1F | kLabelPlanes;
 constexpr PlaneSet plane_bit(Plane plane) {
   return static_cast<PlaneSet>(1u << static_cast<unsigned>(plane));
 }
 
 /// Bytes per bin: iq 8 (two float32), power 8 (float64), count 4 (uint32), state 1, video 2 (uint16; sent
-/// with 8 bits it is 1).
+/// with 8 bits it is 1), material 1, building and height 4 (float32), returns 1.
 std::uint32_t bytes_per_bin(Plane plane);
 /// The same of all planes of a set.
 std::uint32_t bytes_per_bin(PlaneSet planes);
@@ -26,6 +37,9 @@ std::uint32_t bytes_per_bin(PlaneSet planes);
 const char* plane_name(Plane plane);
 /// "iq, power, count, state", as far as they are in the set.
 std::string plane_names(PlaneSet planes);
+
+/// "0 (iq), 1 (power), ..." of every plane.
+std::string numbered_planes();
 
 /// Nothing for a number that is no plane.
 std::optional<Plane> plane_from_number(int number);

@@ -122,7 +122,8 @@ std::string fault_of_block(const WedgeBlock& block, std::size_t payload_bytes) {
   const auto plane = plane_from_number(block.plane());
   const auto encoding = iq_encoding_from_number(block.iq_encoding());
   const auto compression = compression_from_number(block.compression());
-  if (!plane) return "a data block of plane " + std::to_string(block.plane()) + "; allowed: 0 to 4";
+  if (!plane)
+    return "a data block of plane " + std::to_string(block.plane()) + "; allowed: " + numbered_planes();
   if (!encoding)
     return "a data block in encoding " + std::to_string(block.iq_encoding()) +
            "; allowed: 0 (cf32_le), 1 (ci16_le)";

@@ -44,6 +44,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   double stop_grace_s = 0.5;                          ///< for the last message to each client when stopping
 
   int render_threads = 0;  ///< 0: all cores
+  int materials = 255;     ///< of the scene, at most
   /// Told where all radars are, in their order, whenever one has moved or looks further. On the io thread;
   /// must be quick.
   std::function<void(std::vector<RadarPlace>)> on_moved;

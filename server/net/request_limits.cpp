@@ -16,14 +16,15 @@ std::int64_t threads_of(const ServerOptions& options) {
 }
 
 /// With the bytes of its rendering.
-FrameCost rendering_cost(const RadarSettings& settings, const ServerOptions& options) {
+FrameCost rendering_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost;
   // The sweep has no rows: its planes are marched through all range bins.
   const std::int64_t rows =
       settings.frustum == FrustumKind::sweep ? settings.range_bins : settings.pixel_rows;
   cost.pixels = settings.pixel_columns * rows;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
-  const RenderingSize size = rendering_size(settings, threads_of(options));
+  const RenderingSize size = rendering_size(settings, threads_of(options),
+                                            (planes & wire::kLabelPlanes) != 0 ? options.materials : 0);
   cost.plan_taps = size.plan_taps;
   cost.bytes = size.bytes;
   return cost;
@@ -39,14 +40,14 @@ OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string
 }  // namespace
 
 FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
-  FrameCost cost = rendering_cost(settings, options);
+  FrameCost cost = rendering_cost(settings, planes, options);
   cost.bytes +=
       std::min(wire::bytes_per_bin(planes) * cost.bins, 2 * static_cast<std::int64_t>(options.slice_bytes));
   return cost;
 }
 
 FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
-  FrameCost cost = rendering_cost(settings, options);
+  FrameCost cost = rendering_cost(settings, planes, options);
   cost.bytes += wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 1);
   return cost;
 }
@@ -61,7 +62,7 @@ FrameCost replay_cost(const RadarSettings& settings, wire::PlaneSet planes, cons
 FrameCost whole_cost(const RadarSettings& settings, const ServerOptions& options) {
   // With video.
   constexpr std::int64_t kBytesABin = 21 + 3;
-  FrameCost cost = rendering_cost(settings, options);
+  FrameCost cost = rendering_cost(settings, wire::kAllPlanes, options);
   cost.bytes += kBytesABin * cost.bins;
   return cost;
 }

@@ -105,13 +105,22 @@ void each_plane(const BinBlock& bins, const Use& use) {
     use("video", "video.npy", "|u1", bins.video8);
   else
     use("video", "video.npy", "<u2", bins.video16);
+  use("material", "material.npy", "|u1", bins.labels.material);
+  use("building", "building.npy", "<f4", bins.labels.building);
+  use("height", "height.npy", "<f4", bins.labels.height_m);
+  use("returns", "returns.npy", "|u1", bins.labels.returns);
+}
+
+/// Video and labels come where they were asked for.
+bool is_of_every_frame(const std::string& plane) {
+  return plane == "iq" || plane == "power" || plane == "count" || plane == "state";
 }
 
 std::string what_is_missing(const BinBlock& bins) {
   std::vector<std::string> planes;
   std::vector<std::string> files;
   each_plane(bins, [&](const std::string& plane, const char* file, const char*, const auto& values) {
-    if (!values.empty() || plane == "video") return;  // which comes where it was asked for
+    if (!values.empty() || !is_of_every_frame(plane)) return;
     planes.push_back(plane);
     files.emplace_back(file);
   });

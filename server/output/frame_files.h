@@ -34,11 +34,11 @@ struct WrittenFrame {
   std::optional<DbRange> scale;  ///< of the picture; none where there was nothing to see
 };
 
-/// Writes bins.npy, power.npy, count.npy, state.npy, video.npy where it was asked for, ground_map.png,
-/// ground_map.tif and, last, frame.json into `directory` (created if missing): all of them or, where one
-/// cannot be written, none. A plane that `bins` does not have gives no file, and an older frame's file of
-/// that name goes. The one writer behind `obliq render` and `obliq get`: the same descriptor, summary and
-/// bins give the same files, bit for bit. Throws InputError that names the file.
+/// Writes bins.npy, power.npy, count.npy, state.npy, video.npy and those of labels where they were asked for,
+/// ground_map.png, ground_map.tif and, last, frame.json into `directory` (created if missing): all of them
+/// or, where one cannot be written, none. A plane that `bins` does not have gives no file, and an older
+/// frame's file of that name goes. The one writer behind `obliq render` and `obliq get`: the same descriptor,
+/// summary and bins give the same files, bit for bit. Throws InputError that names the file.
 WrittenFrame write_frame_files(const std::filesystem::path& directory,
                                const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
                                const BinBlock& bins, const FrameFileOptions& options = {});

@@ -57,6 +57,29 @@ struct BinGrid : RangeAxis {
 /// Which returns are binned. All surfaces hide what lies behind them, whatever is binned.
 enum class Surfaces { all, ground, buildings };
 
+/// What the ground is that a bin's mean power comes from, before noise and rain. [bins] each; empty: not
+/// wanted.
+struct Labels {
+  std::vector<std::uint8_t> material;  ///< of the greatest sum of power
+  std::vector<float> building;         ///< share of the power that buildings give, 0 without power
+  std::vector<float> height_m;         ///< above the datum, weighed by power; NaN without power
+  /// Separate stretches of visible surface in the bin, the most of its vertical planes: above 1 is layover.
+  std::vector<std::uint8_t> returns;
+
+  static constexpr std::uint8_t kNoMaterial = 255;
+};
+
+/// What labels are made of, [bins]: the share of a bin's power that a material or buildings give, or the mean
+/// height by power. Material 0 has what the others leave; a share that is not there is 0.
+struct LabelShare {
+  static constexpr int kBuildings = 256;
+  static constexpr int kHeights = 257;
+  /// Of a scene with so many materials at most: all but one, buildings and heights.
+  static constexpr std::int64_t bytes_a_bin(int materials) { return (materials + 1) * 4; }
+  int kind = 0;  ///< a material, or one of these
+  std::vector<float> share;
+};
+
 /// A run of azimuth bins [first_azimuth, first_azimuth + n_azimuth) of the full range swath.
 /// Planes are [n_azimuth][n_range], azimuth clockwise, range outwards.
 struct BinBlock {
@@ -77,9 +100,12 @@ struct BinBlock {
   /// One look of the speckle that video of several looks is made from, a circular complex Gaussian number of
   /// mean square power_w a bin. Empty: neighbouring bins are independent, or no such video is wanted.
   std::vector<std::complex<float>> look;
+  Labels labels;
+  std::vector<LabelShare> label_shares;  ///< rising by kind, until labels are made of them (decide_labels)
 
-  /// With all of them.
+  /// With all of them but labels.
   static constexpr std::int64_t kBytesABin = 8 + 8 + 4 + 1 + 4 + 1 + 2 + 8;
+  static constexpr std::int64_t kLabelBytesABin = 1 + 4 + 4 + 1;
 
   BinBlock() = default;
   BinBlock(int first, int azimuths, int ranges) : first_azimuth(first), n_azimuth(azimuths), n_range(ranges) {
@@ -93,6 +119,11 @@ struct BinBlock {
 
 /// Copies the azimuth bins that both blocks have. Blocks of different range counts share none.
 void copy_azimuths(const BinBlock& from, BinBlock& to);
+
+/// The share of a kind, made of zeros where it is not there yet.
+std::vector<float>& label_share(BinBlock& bins, int kind);
+/// Makes labels of the shares, all but `returns`, and drops these.
+void decide_labels(BinBlock& bins);
 
 /// Counts of one wedge or, added up, of one frame.
 struct FrameStats {

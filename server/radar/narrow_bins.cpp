@@ -34,6 +34,13 @@ RadarSettings narrow_frame(RadarSettings s) {
 void add_narrow(const BinBlock& narrow, int n, BinBlock& bins) {
   const auto n_range = static_cast<std::size_t>(bins.n_range);
   if (!narrow.sin_elevation.empty()) bins.sin_elevation.resize(bins.power_w.size());
+  bins.labels.returns.resize(narrow.labels.returns.empty() ? 0 : bins.power_w.size());
+  std::vector<const float*> of_narrow;
+  for (const LabelShare& share : narrow.label_shares) label_share(bins, share.kind);
+  for (const LabelShare& share : bins.label_shares) {
+    const auto same = std::ranges::find(narrow.label_shares, share.kind, &LabelShare::kind);
+    of_narrow.push_back(same == narrow.label_shares.end() ? nullptr : same->share.data());
+  }
   for (int a = 0; a < narrow.n_azimuth; ++a) {
     ask(bins.n_range);
     const int azimuth = narrow.first_azimuth + a;
@@ -45,10 +52,14 @@ void add_narrow(const BinBlock& narrow, int n, BinBlock& bins) {
       bins.power_w[to] += narrow.power_w[from];
       bins.count[to] += narrow.count[from];
       bins.state[to] = first ? narrow.state[from] : joined(bins.state[to], narrow.state[from]);
-      if (bins.sin_elevation.empty() || !(narrow.power_w[from] > 0)) continue;
-      float& mean = bins.sin_elevation[to];
-      mean +=
-          (narrow.sin_elevation[from] - mean) * static_cast<float>(narrow.power_w[from] / bins.power_w[to]);
+      if (!narrow.labels.returns.empty())
+        bins.labels.returns[to] = std::max(bins.labels.returns[to], narrow.labels.returns[from]);
+      if (!(narrow.power_w[from] > 0)) continue;
+      const auto part = static_cast<float>(narrow.power_w[from] / bins.power_w[to]);
+      const auto join = [&](float& mean, float more) { mean += (more - mean) * part; };
+      if (!bins.sin_elevation.empty()) join(bins.sin_elevation[to], narrow.sin_elevation[from]);
+      for (std::size_t k = 0; k < of_narrow.size(); ++k)
+        join(bins.label_shares[k].share[to], of_narrow[k] == nullptr ? 0 : of_narrow[k][from]);
     }
   }
 }

@@ -16,7 +16,7 @@ int narrow_bins(const RadarSettings& settings);
 RadarSettings narrow_frame(RadarSettings settings);
 
 /// Adds neighbouring narrow bins to those that n of them make up each, which get theirs from left to right.
-/// A mean elevation is there where theirs is.
+/// A mean elevation is there where theirs is, and what labels are made of.
 void add_narrow(const BinBlock& narrow, int n, BinBlock& bins);
 
 }  // namespace obliq

@@ -9,6 +9,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/sweep/sweep_samples.h"
 #include "server/radar/visibility/coverage.h"
+#include "server/radar/visibility/returns.h"
 #include "server/radar/visibility/wedge_visibility.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/asking.h"
@@ -54,12 +55,21 @@ void render_samples(WedgeWork& work, AzimuthRange range, HitObserver* observer, 
 /// Where it can, the sweep goes from what its planes see to echoes in one step.
 void render_echoes(WedgeWork& work, AzimuthRange range, double far_m) {
   work.cells.restart(range.first);
-  SweepEchoes(work.plan, range, work.tables.near_buildings, work.tables.scattering, work.cells, far_m)
-      .run(work.wedge.stats);
+  SweepEchoes sweep(work.plan, range, work.tables.near_buildings, work.tables.scattering, work.cells, far_m);
+  sweep.run(work.wedge.stats);
   const StageProbe probe(Stage::bin);
   work.cells.write(work.wedge.bins);
+  sweep.write_returns(work.wedge.bins);
   work.wedge.stats.hits += work.cells.count();
   work.wedge.stats.samples += work.cells.count();
+}
+
+/// Of labels, where the sweep has not counted them.
+void add_returns(const ScenePlan& plan, BinBlock& bins) {
+  bins.labels.returns.resize(bins.state.size());
+  for (int a = 0; a < bins.n_azimuth; ++a)
+    count_returns(plan, bins.first_azimuth + a,
+                  bins.labels.returns.data() + std::ptrdiff_t{a} * bins.n_range);
 }
 
 /// work.wedge becomes a wedge of bins that are looked at, without its area and the count of its states.
@@ -78,6 +88,10 @@ void look_at(WedgeWork& work, int index, const WedgeSums::Needed& needed) {
     render_samples(work, range, needed.observer, visibility);
   }
   if (!work.tables.path_power.empty()) attenuate(work.tables.path_power, work.wedge.bins);
+  if (needed.returns && work.wedge.bins.labels.returns.empty()) {
+    const StageProbe probe(Stage::states);
+    add_returns(work.plan, work.wedge.bins);
+  }
   if (!needed.states) return;
   const StageProbe probe(Stage::states);
   decide_states(work.plan, visibility, work.wedge.bins);

@@ -33,6 +33,7 @@ struct RenderOptions {
   std::stop_token stop;                   ///< no further wedge is begun after a stop request
   bool iq = true;                   ///< false: nobody wants I&Q; the sweep leaves it 0, which is quicker
   bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker
+  bool labels = false;              ///< whether they are wanted
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
   Surfaces surfaces = Surfaces::all;
   std::uint64_t draw = 0;  ///< names the frame (frame_draw): independent speckle repeats with it

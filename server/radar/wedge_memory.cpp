@@ -21,28 +21,29 @@ constexpr std::int64_t kBytesOfBatches = 2'500'000;
 
 }  // namespace
 
-std::int64_t wedge_bytes(const RadarSettings& s) {
-  if (narrow_bins(s) > 1)
-    return wedge_bytes(narrow_frame(s)) +
-           BinBlock::kBytesABin * std::min(kWedgeAzimuthBins, s.azimuth_bins) * s.range_bins;
-  const std::int64_t bytes =
-      kBytesOfBatches + BinBlock::kBytesABin * s.range_bins * std::min(kWedgeAzimuthBins, s.azimuth_bins) +
-      WedgeVisibility::bytes(s.range_bins) + EchoBins::bytes(s);
+std::int64_t wedge_bytes(const RadarSettings& s, int label_materials) {
+  const std::int64_t of_labels =
+      label_materials == 0 ? 0 : BinBlock::kLabelBytesABin + LabelShare::bytes_a_bin(label_materials);
+  const std::int64_t bins =
+      (BinBlock::kBytesABin + of_labels) * s.range_bins * std::min(kWedgeAzimuthBins, s.azimuth_bins);
+  if (narrow_bins(s) > 1) return wedge_bytes(narrow_frame(s), label_materials) + bins;
+  const std::int64_t bytes = kBytesOfBatches + bins + LabelSums::bytes(s.range_bins, label_materials) +
+                             WedgeVisibility::bytes(s.range_bins) + EchoBins::bytes(s);
   if (s.frustum != FrustumKind::sweep) return bytes + PerspectiveRays::bytes(s);
   return s.sub_columns == 0 ? bytes : bytes + EchoCells::bytes(s.range_bins) + SweepEchoes::bytes(s);
 }
 
-RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads) {
+RenderingSize rendering_size(const RadarSettings& s, std::int64_t threads, int label_materials) {
   // No more threads than wedges have something to do.
   const auto at_work = [threads](const RadarSettings& looked_at) {
     return std::min(threads, std::int64_t{wedge_count(looked_at.azimuth_bins)});
   };
-  if (!needs_echo_plan(s)) return {at_work(s) * wedge_bytes(s), 0};
-  const EchoSize size = echo_size(s, threads);
+  if (!needs_echo_plan(s)) return {at_work(s) * wedge_bytes(s, label_materials), 0};
+  const EchoSize size = echo_size(s, threads, label_materials);
   const std::int64_t kept =
       s.scan_mode == ScanMode::frame ? 0 : std::min(std::int64_t{SharpStore::kMostBytes}, size.sharp_bytes);
-  return {at_work(size.sharp) * (wedge_bytes(size.sharp) + size.sums_bytes) + size.plan_bytes +
-              size.rows_bytes + kept,
+  return {at_work(size.sharp) * (wedge_bytes(size.sharp, label_materials) + size.sums_bytes) +
+              size.plan_bytes + size.rows_bytes + kept,
           size.taps()};
 }
 

@@ -7,7 +7,8 @@ namespace obliq {
 
 /// An upper estimate of the memory that a thread needs for its wedge: bins, profiles, scatterers, samples
 /// that wait, and hits. It leaves out the scene, the frame's plan and planes that wait to be sent.
-std::int64_t wedge_bytes(const RadarSettings& settings);
+/// label_materials: of a scene whose labels are wanted; 0: none are.
+std::int64_t wedge_bytes(const RadarSettings& settings, int label_materials = 0);
 
 /// What a rendering by so many threads takes at once, wherever the antenna is.
 struct RenderingSize {
@@ -15,6 +16,6 @@ struct RenderingSize {
   std::int64_t bytes = 0;
   std::int64_t plan_taps = 0;  ///< weights of the beam's plan; 0: there is none
 };
-RenderingSize rendering_size(const RadarSettings& settings, std::int64_t threads);
+RenderingSize rendering_size(const RadarSettings& settings, std::int64_t threads, int label_materials = 0);
 
 }  // namespace obliq

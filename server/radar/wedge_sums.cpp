@@ -32,10 +32,13 @@ class SharpSums : public WedgeSums {
   int n_wedges() const override { return n_; }
   int wedge(int k) const override { return first_ + k; }
   bool needs_iq() const override { return options_.iq; }
-  Needed needed(int) const override { return {.states = options_.states, .observer = options_.observer}; }
+  Needed needed(int) const override {
+    return {.states = options_.states, .returns = options_.labels, .observer = options_.observer};
+  }
   bool take_kept(int) override { return false; }
   void take(Wedge&& wedge) override {
     measure_coverage(plan_, wedge);
+    if (options_.labels) decide_labels(wedge.bins);
     const std::lock_guard lock(mutex_);
     ready_.push_back(std::move(wedge));
   }
@@ -66,7 +69,7 @@ class BeamSums : public WedgeSums {
         look_(wants_look(options, plan.settings())),
         look_key_(look_key(plan)),
         planes_{options.iq && !sum_.draws(), look_ && sum_.speckle != SpeckleKind::independent,
-                options.states} {
+                options.states, options.labels} {
     const int azimuth = first * kWedgeAzimuthBins;
     outputs_ = {azimuth, std::min(end * kWedgeAzimuthBins, sum_.n_azimuth) - azimuth};
     if (options.sharp) {
@@ -86,7 +89,8 @@ class BeamSums : public WedgeSums {
     const int first = wedge * kWedgeAzimuthBins - sum_.first_azimuth;
     const bool own = first + kWedgeAzimuthBins > 0 && first < sum_.n_azimuth * sum_.azimuth_parts;
     return {.far_m = needed_range_m(sum_, wedge, outputs_),
-            .states = options_.states && (own || options_.sharp != nullptr)};
+            .states = options_.states && (own || options_.sharp != nullptr),
+            .returns = options_.labels && (own || options_.sharp != nullptr)};
   }
 
   /// Of the dwell before.
@@ -115,6 +119,7 @@ class BeamSums : public WedgeSums {
       wedge.stats = ready.stats;
       if (!buffers) buffers = std::make_unique<EchoSums>(sum_);
       buffers->sum(ready.rows, options_.draw, options_.iq, look_, wedge.bins);
+      if (options_.labels) buffers->sum_labels(ready.rows, wedge.bins);
       if (options_.states) count_states(wedge);
       wedge.stats.sector_area_m2 = wedge.stats.covered_area_m2 = 0;
     }

@@ -23,6 +23,7 @@ class WedgeSums {
   struct Needed {
     double far_m = std::numeric_limits<double>::infinity();  ///< nothing beyond
     bool states = true;
+    bool returns = false;  ///< of labels, whose other planes are all or none
     HitObserver* observer = nullptr;
   };
   virtual Needed needed(int wedge) const = 0;

@@ -68,7 +68,7 @@ class WedgeThreads {
   void work_until_done() {
     const StageClock clock(options_.times);
     try {
-      WedgeWork work(plan_, tables_, options_.surfaces, sums_->needs_iq());
+      WedgeWork work(plan_, tables_, options_.surfaces, sums_->needs_iq(), options_.labels);
       while (go_on(work)) {
       }
     } catch (const Stopped&) {

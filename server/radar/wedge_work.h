@@ -36,12 +36,12 @@ struct WedgeWork {
   std::unique_ptr<EchoSums> sums;  ///< over beam and pulse; null until there is something to add up
   Wedge wedge;
 
-  WedgeWork(const FramePlan& frame, const FrameTables& frame_tables, Surfaces surfaces, bool iq)
+  WedgeWork(const FramePlan& frame, const FrameTables& frame_tables, Surfaces surfaces, bool iq, bool labels)
       : plan(frame.looks_at()),
         narrow_bins(frame.narrow_bins()),
         tables(frame_tables),
-        echo(plan, tables.scattering, tables.speckle, {}, surfaces),
-        cells(plan, tables.scattering, tables.speckle, surfaces, iq) {}
+        echo(plan, tables.scattering, tables.speckle, {}, surfaces, labels),
+        cells(plan, tables.scattering, tables.speckle, surfaces, iq, labels) {}
 };
 
 /// Lit and unsampled bins of a wedge, by its states.

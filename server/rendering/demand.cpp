@@ -51,6 +51,7 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
     order.video8 |= needed.video8;
     order.video16 |= needed.video16;
     if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
+    if (demand.choice.planes & wire::kLabelPlanes) order.labels = true;
     for (std::uint64_t azimuth = window->azimuth.first; azimuth < window->azimuth.end();
          azimuth += window->azimuth.step)
       wedges[static_cast<std::size_t>(azimuth) / kWedgeAzimuthBins] = true;

@@ -28,6 +28,7 @@ struct Order {
   std::vector<StreamChoice> choices;  ///< different ones
   bool iq = false;                    ///< for itself, or for the video
   bool states = false;
+  bool labels = false;
   bool video8 = false;
   bool video16 = false;
   std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another

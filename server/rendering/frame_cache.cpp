@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/radar/beam/sharp_wedge.h"
 #include "server/radar/receiver/receiver.h"
 #include "terrain/base/asking.h"
 
@@ -15,15 +16,14 @@ constexpr std::int64_t kRepeatABin = 8;
 std::size_t bytes_of(const BinBlock& bins) {
   return bins.iq.size() * sizeof bins.iq[0] + bins.power_w.size() * sizeof bins.power_w[0] +
          bins.count.size() * sizeof bins.count[0] + bins.state.size() * sizeof bins.state[0] +
-         bins.look.size() * sizeof bins.look[0];
+         bins.look.size() * sizeof bins.look[0] +
+         bins.labels.material.size() * std::size_t{BinBlock::kLabelBytesABin};
 }
 
 /// Wedges of azimuth bins that were rendered in one go.
 struct Part {
   AzimuthRange azimuths;
-  bool iq = false;
-  bool states = false;
-  bool look = false;
+  SharpPlanes planes;
   std::vector<Wedge> wedges;
   std::vector<std::uint32_t> seen;  // buildings
   std::size_t bytes = 0;
@@ -59,17 +59,17 @@ class FrameCache::Place {
     frame_ = std::move(frame);
   }
 
-  std::shared_ptr<const Part> find(AzimuthRange azimuths, bool iq, bool states, bool look) const {
+  std::shared_ptr<const Part> find(AzimuthRange azimuths, const SharpPlanes& planes) const {
     const std::lock_guard lock(mutex_);
     for (const auto& part : parts_)
       if (part->azimuths.first == azimuths.first && part->azimuths.count == azimuths.count &&
-          part->iq >= iq && part->states >= states && part->look >= look)
+          part->planes.hold(planes))
         return part;
     return nullptr;
   }
 
   void keep(std::shared_ptr<const Part> part) {
-    if (find(part->azimuths, part->iq, part->states, part->look)) return;
+    if (find(part->azimuths, part->planes)) return;
     const std::lock_guard lock(mutex_);
     if ((budget_->used += part->bytes) <= budget_->most) {
       parts_.push_back(std::move(part));
@@ -111,16 +111,14 @@ class FrameCache::Frame : public PlannedFrame {
   AirView air() const override { return frame_->air(); }
 
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
-    const bool look = wants_look(options, settings_->settings);
-    if (const auto part = place_->find(azimuths, options.iq, options.states, look))
-      return repeat(*part, options);
+    const SharpPlanes planes{options.iq, wants_look(options, settings_->settings), options.states,
+                             options.labels};
+    if (const auto part = place_->find(azimuths, planes)) return repeat(*part, options);
     const auto frame = frame_->again(place_->pose());  // knows what this part alone has seen
     if (!frame) return frame_->render(azimuths, options);
     const auto fresh = std::make_shared<Part>();
     fresh->azimuths = azimuths;
-    fresh->iq = options.iq;
-    fresh->states = options.states;
-    fresh->look = look;
+    fresh->planes = planes;
     // What is kept are the echoes: the receiver makes something else of them in each frame.
     RenderOptions with_copy = options;
     with_copy.receiver = nullptr;

@@ -226,6 +226,7 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
       states(order.states),
       video8(order.video8),
       video16(order.video16),
+      labels(order.labels),
       plan(std::move(planned)) {
   rendered.waited_s = waited_s;
   if (stream.context_.renderer.fixed().empty()) receiver.emplace(settings, stream.name_, id, plan->air());
@@ -236,6 +237,7 @@ RenderOptions BegunFrame::render_options(const std::stop_token& stop) const {
   if (receiver) options.receiver = &*receiver;
   options.video8 = video8;
   options.video16 = video16;
+  options.labels = labels;
   options.draw = frame_draw(stream.name_, frame_id);
   return options;
 }

@@ -155,6 +155,7 @@ struct BegunFrame {
   bool states = false;
   bool video8 = false;
   bool video16 = false;
+  bool labels = false;
   std::unique_ptr<PlannedFrame> plan;
   std::optional<Receiver> receiver;  ///< none where the renderer only replays: what it has been received
 };

@@ -201,6 +201,7 @@ bool OnceJob::render_slice(Frame& frame) const {
       context_.render_options(needed.iq, wants(wire::Plane::state), request.stop.get_token());
   options.video8 = needed.video8;
   options.video16 = needed.video16;
+  options.labels = (request.choice.planes & wire::kLabelPlanes) != 0;
   options.receiver = &*frame.receiver;
   options.draw = frame_draw(request.radar, frame.receiver->counter());
   options.on_wedge = [&](Wedge&& wedge) {

@@ -34,6 +34,14 @@ std::span<const std::byte> plane_values(Plane plane, int video_bits, const BinBl
       return std::as_bytes(std::span(bins.state));
     case Plane::video:
       return video_bits == 8 ? std::as_bytes(std::span(bins.video8)) : std::as_bytes(std::span(bins.video16));
+    case Plane::material:
+      return std::as_bytes(std::span(bins.labels.material));
+    case Plane::building:
+      return std::as_bytes(std::span(bins.labels.building));
+    case Plane::height:
+      return std::as_bytes(std::span(bins.labels.height_m));
+    case Plane::returns:
+      return std::as_bytes(std::span(bins.labels.returns));
   }
   return {};
 }

@@ -17,8 +17,7 @@ wire::PlaneSet read_planes(const Planes& planes, std::vector<FieldError>& errors
     if (plane) {
       set = static_cast<wire::PlaneSet>(set | wire::plane_bit(*plane));
     } else {
-      errors.push_back(
-          {"planes", std::to_string(number), "0 (iq), 1 (power), 2 (count), 3 (state), 4 (video)"});
+      errors.push_back({"planes", std::to_string(number), wire::numbered_planes()});
       return set;
     }
   }

@@ -133,7 +133,7 @@ class BinIntegrator {
         for (const BinShare& share : shares_) {
           if (facets != nullptr && share.power_w > 0)
             facets->push_back({share.range_bin, strip.building != kGroundStrip, share.power_w,
-                               share.sine_w / share.power_w});
+                               share.sine_w / share.power_w, share.height_w / share.power_w});
           if (strip.building == kGroundStrip) {
             ground_w[share.range_bin] += share.power_w;
             continue;

@@ -89,6 +89,7 @@ struct FacetEcho {
   bool of_building = false;
   double power_w = 0;
   double sin_elevation = 0;  ///< its mean, weighed by power
+  double height_m = 0;       ///< above the antenna, likewise
 };
 
 /// Planes are [n_azimuth][n_range]. The truth of a bin is the sum of both.

@@ -91,7 +91,7 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
   const double widest_m = step_m_ * std::min(1.0, nearest_m / kFullStepRange_m);
   const int steps = static_cast<int>(std::clamp(std::ceil(length_m / widest_m), 1.0, kMostSteps));
   const double step_m = length_m / steps;
-  BinShare share{bin, 0, 0, 0};
+  BinShare share{bin, 0, 0, 0, 0};
   for (int k = 0; k < steps; ++k) {
     const double t_m = from_m + (k + 0.5) / steps * (to_m - from_m);
     const double r2 = line.p_m * line.p_m + t_m * t_m;
@@ -105,6 +105,7 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
     if (two_way_gain_) power_w *= two_way_gain_(sine, line.bearing_rad);
     share.power_w += power_w;
     share.sine_w += power_w * sine;
+    share.height_w += power_w * sine * r_m;
     share.solid_angle_sr += projected_area_m2 / r2;
   }
   return share;

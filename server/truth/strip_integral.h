@@ -56,7 +56,8 @@ class ExactHorizon {
 struct BinShare {
   int range_bin;
   double power_w;
-  double sine_w;  ///< power times the sine of its elevation
+  double sine_w;    ///< power times the sine of its elevation
+  double height_w;  ///< power times its height above the antenna
   double solid_angle_sr;
 };
 

@@ -1,8 +1,8 @@
-// Frames on demand: frame_turns SCENE.toml [--set KEY=VALUE] [--threads N] [--bare] loads a scene, renders a
-// frame that is not measured, then one for each line that it reads, of a radar that moves on from frame to
-// frame, and prints what the frame took, plan included. So several of these, of several builds, run in turn
-// on a machine that is not quiet: cities.py. It compiles against commit ed06c75 as well, with which cities.py
-// compares: hence the two places of some headers.
+// Frames on demand: frame_turns SCENE.toml [--set KEY=VALUE] [--threads N] [--bare] [--labels] loads a scene,
+// renders a frame that is not measured, then one for each line that it reads, of a radar that moves on from
+// frame to frame, and prints what the frame took, plan included. So several of these, of several builds, run
+// in turn on a machine that is not quiet: cities.py. It compiles against commit ed06c75 as well, with which
+// cities.py compares: hence the two places of some headers.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
@@ -32,12 +32,18 @@ struct Arguments {
   LoadOptions options;
   int threads = 2;
   bool bare = false;
+  bool labels = false;
 };
 
 /// Leaves out what nobody asks for, where the build can.
 template <class Options>
 void ask_for_power_and_state_alone(Options& options) {
   if constexpr (requires { options.iq; }) options.iq = false;
+}
+
+template <class Options>
+void ask_for_labels(Options& options) {
+  if constexpr (requires { options.labels; }) options.labels = true;
 }
 
 double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -64,6 +70,7 @@ class Turns {
     RenderOptions options;
     options.threads = arguments_.threads;
     if (arguments_.bare) ask_for_power_and_state_alone(options);
+    if (arguments_.labels) ask_for_labels(options);
     FrameSum sum(s);
     options.on_wedge = [&](Wedge&& wedge) {
       sum.add(wedge);
@@ -108,6 +115,7 @@ int main(int argc, char** argv) {
   app.add_option("--set", arguments.options.set, "KEY=VALUE, beats the scene file");
   app.add_option("--threads", arguments.threads, "Of a frame")->check(CLI::PositiveNumber);
   app.add_flag("--bare", arguments.bare, "Power and state alone, where the build can leave I&Q out");
+  app.add_flag("--labels", arguments.labels, "And labels, where the build has them");
   CLI11_PARSE(app, argc, argv);
   try {
     obliq::Turns turns(arguments);

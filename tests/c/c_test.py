@@ -45,7 +45,9 @@ class Frame(ctypes.Structure):
     _fields_ = [("radar", ctypes.c_char_p), ("frame_id", U64), ("request_id", U64), ("frames_skipped", U64), ("n_azimuth", I), ("n_range", I)] + [
         (name, D) for name in ("azimuth_start_deg", "azimuth_width_deg", "range_start_m", "range_spacing_m", "video_floor_db", "video_span_db")] + [
         ("pose", Pose), ("iq", ctypes.POINTER(ctypes.c_float)), ("power_w", ctypes.POINTER(D)), ("count", ctypes.POINTER(ctypes.c_uint32)),
-        ("state", ctypes.POINTER(ctypes.c_uint8)), ("video", ctypes.POINTER(ctypes.c_uint16))]
+        ("state", ctypes.POINTER(ctypes.c_uint8)), ("video", ctypes.POINTER(ctypes.c_uint16)),
+        ("material", ctypes.POINTER(ctypes.c_uint8)), ("building", ctypes.POINTER(ctypes.c_float)),
+        ("height_m", ctypes.POINTER(ctypes.c_float)), ("returns", ctypes.POINTER(ctypes.c_uint8))]
 
 
 def fnv1a(data):
@@ -104,17 +106,18 @@ def check_ctypes(library, address):
     c.obliq_no_pose(ctypes.byref(pose))
     pose.bearing_deg = 40.0
     ok(c.obliq_move(client, b"main", ctypes.byref(pose)))
-    ok(c.obliq_subscribe(client, b"main", 20.0, 1 | 2 | 4 | 8 | 16))
+    ok(c.obliq_subscribe(client, b"main", 20.0, 1 | 2 | 4 | 8 | 16 | 64 | 128 | 256 | 512))
     frame = Frame()
     ok(c.obliq_receive(client, ctypes.byref(frame), 60000))
     shape = (frame.n_azimuth, frame.n_range)
     with obliq.connect(address) as server:
-        same = server.radar("main").frame(planes="iq power count state video")
-    for name in ("iq", "power_w", "count", "state", "video"):
+        same = server.radar("main").frame(planes="iq power count state video material building height returns")
+    for name in ("iq", "power_w", "count", "state", "video", "material", "building", "height_m", "returns"):
         values = np.ctypeslib.as_array(getattr(frame, name), (*shape, 2) if name == "iq" else shape)
         if name == "iq":
             values = values.view(np.complex64)[..., 0]
-        if not np.array_equal(values, getattr(same, "power" if name == "power_w" else name)):
+        its = same.plane({"power_w": "power", "height_m": "height"}.get(name, name))
+        if not np.array_equal(values, its, equal_nan=name == "height_m"):
             sys.exit(f"ctypes: another {name}")
     if abs(frame.azimuth_start_deg - 10.0) > 1e-9 or frame.radar != b"main" or frame.pose.bearing_deg != 40.0:
         sys.exit(f"ctypes: another frame: {frame.azimuth_start_deg}")

@@ -177,6 +177,11 @@ TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   options.queue_frames = 2;
   EXPECT_EQ(net::live_cost(settings, wire::plane_bit(wire::Plane::power), options).bytes,
             wedges + 3 * 8'000'000);
+  // Labels have 1 + 4 + 4 + 1 more to send, and sums of their own for each of the scene's materials.
+  options.materials = 5;
+  const auto all = static_cast<wire::PlaneSet>(wire::kAllPlanes | wire::kLabelPlanes);
+  EXPECT_EQ(net::live_cost(settings, all, options).bytes, 2 * wedge_bytes(settings, 5) + 3 * 31'000'000);
+  EXPECT_EQ(wedge_bytes(settings, 5), wedge_bytes(settings) + 8 * 1000 * (10 + 3 * 4 * 6));
   EXPECT_GT(resident_bytes(), 1'000'000);
 }
 

@@ -92,12 +92,12 @@ class ReceiverStream : public testing::Test {
   client::Client client_;
 };
 
-constexpr wire::PlaneSet kAllFive = wire::kEveryPlane;
+constexpr wire::PlaneSet kEvery = wire::kEveryPlane;
 
 TEST_F(ReceiverStream, EachLiveFrameHasItsOwnNoiseAndCanBeHadAgain) {
-  wire::Subscribe request = subscription(kAllFive);
+  wire::Subscribe request = subscription(kEvery);
   ASSERT_TRUE(client_.subscribe(request).ok());
-  FrameAssembler frames(kAllFive);
+  FrameAssembler frames(kEvery);
   std::vector<client::AssembledFrame> live;
   // The first is rendered, the second kept as well, the third made of what is kept.
   while (live.size() < 4) live.push_back(next_frame(frames));
@@ -106,11 +106,16 @@ TEST_F(ReceiverStream, EachLiveFrameHasItsOwnNoiseAndCanBeHadAgain) {
     EXPECT_EQ(live[k].descriptor->noise_counter(), live[k].descriptor->frame_id());
     EXPECT_GT(live[k].descriptor->noise_power_w(), 0);
     EXPECT_TRUE(same_bits(live[k].power_w, live[0].power_w)) << k;
+    EXPECT_TRUE(same_bits(live[k].height_m, live[0].height_m)) << "labels have no noise: " << k;
     EXPECT_EQ(same_bits(live[k].iq, live[0].iq), k == 0) << k;
-    const client::AssembledFrame again = once(live[k], kAllFive, 8);
+    const client::AssembledFrame again = once(live[k], kEvery, 8);
     EXPECT_TRUE(same_bits(again.iq, live[k].iq)) << k;
     EXPECT_TRUE(same_bits(again.power_w, live[k].power_w)) << k;
     EXPECT_TRUE(same_bits(again.video, live[k].video)) << k;
+    EXPECT_TRUE(same_bits(again.material, live[k].material)) << k;
+    EXPECT_TRUE(same_bits(again.building, live[k].building)) << k;
+    EXPECT_TRUE(same_bits(again.height_m, live[k].height_m)) << k;
+    EXPECT_TRUE(same_bits(again.returns, live[k].returns)) << k;
     EXPECT_EQ(again.video_bits, 8);
   }
 }
@@ -125,7 +130,7 @@ TEST_F(ReceiverStream, AFrameHasTheBitsOfObliqRender) {
   *like.descriptor->mutable_settings() = info.settings();
   *like.descriptor->mutable_pose() = info.pose();
   like.descriptor->set_noise_counter(17);
-  const client::AssembledFrame sent = once(like, kAllFive, 16);
+  const client::AssembledFrame sent = once(like, kEvery, 16);
   const PlanResult planned = plan_frame(scene_, snapshot(settings), pose_over_origin(scene_->world(), 1400));
   ASSERT_TRUE(planned.plan);
   const Receiver receiver(settings, "main", 17, air_view(planned.plan->looks_at()));
@@ -170,7 +175,7 @@ TEST_F(ReceiverStream, VideoOfSeveralLooksNeedsNoIq) {
   like.descriptor->mutable_settings()->set_video_looks(100);
   *like.descriptor->mutable_pose() = info.pose();
   const client::AssembledFrame alone = once(like, wire::plane_bit(Plane::video), 8);
-  const client::AssembledFrame beside = once(like, kAllFive, 8);
+  const client::AssembledFrame beside = once(like, kEvery, 8);
   EXPECT_TRUE(same_bits(alone.video, beside.video));
   RadarSettings settings = radar_.settings;
   settings.video.looks = 100;

@@ -18,10 +18,11 @@ class Saved(Folder):
     def setUpClass(cls):
         with obliq.connect(support.shared_daemon()) as server:
             cls.frame = server.radar("main").frame()
+            cls.labels = server.radar("main").frame(planes="power material building height returns")
             cls.window = server.radar("main").frame(planes="iq power", window=obliq.Window(azimuth=slice(8, 40, 2)))
 
     def test_npz_holds_every_bit(self):
-        for frame in (self.frame, self.window):
+        for frame in (self.frame, self.window, self.labels):
             frame.save(self.folder / "f.npz")
             back = obliq.load(self.folder / "f.npz")
             self.assertEqual(back.sha256(), frame.sha256())
@@ -31,7 +32,7 @@ class Saved(Folder):
 
     @support.needs("netCDF4")
     def test_netcdf_holds_every_bit(self):
-        for frame in (self.frame, self.window):
+        for frame in (self.frame, self.window, self.labels):
             frame.save(self.folder / "f.nc")
             back = obliq.load(self.folder / "f.nc")
             self.assertEqual(back.sha256(), frame.sha256())
@@ -49,6 +50,15 @@ class Saved(Folder):
         self.assertTrue((np.diff(data.azimuth) > 0).all())
         self.assertIn("shadow", data.state.attrs["flag_meanings"].split())
         self.assertGreater(float(data.iq.sel(azimuth=0, method="nearest").real.std()), 0)
+
+    @support.needs("xarray")
+    def test_xarray_names_the_materials_of_labels(self):
+        data = self.labels.to_xarray()
+        names = data.material.attrs["flag_meanings"].split()
+        self.assertEqual(names[0], "terrain")
+        self.assertEqual(names[-1], "none")
+        self.assertEqual(len(names), data.material.attrs["flag_values"].size)
+        self.assertEqual(data.height.attrs["units"], "m")
 
     @support.needs("rasterio")
     def test_a_geotiff_has_the_pixels_of_obliq_get(self):

@@ -6,7 +6,7 @@ import support
 from support import OBLIQ, Folder, obliq, run
 import numpy as np
 
-FILES = {"iq": "bins", "power": "power", "count": "count", "state": "state"}
+FILES = {"iq": "bins", **{name: name for name in ("power", "count", "state", "material", "building", "height", "returns")}}
 
 
 def got(folder, *options):
@@ -45,6 +45,26 @@ class Whole(Folder):
         frame = self.radar.frame(planes="iq state")
         self.assert_same(frame, got(self.folder, "--planes", "iq,state"))
         self.assertIsNone(frame.power)
+
+    def test_labels_are_those_of_obliq_get_and_say_what_the_ground_is(self):
+        planes = "power state material building height returns"
+        frame = self.radar.frame(planes=planes)
+        self.assert_same(frame, got(self.folder, "--planes", planes.replace(" ", ",")))
+        lit = frame.power > 0
+        np.testing.assert_array_equal(frame.material, np.where(lit, 0, 255))  # bare ground
+        np.testing.assert_array_equal(frame.building, 0)
+        np.testing.assert_array_equal(np.isnan(frame.height), ~lit)
+        ground = frame.descriptor.ground
+        self.assertGreaterEqual(np.nanmin(frame.height), ground.lowest_m - 0.1)
+        self.assertLessEqual(np.nanmax(frame.height), ground.highest_m + 0.1)
+        np.testing.assert_array_equal(frame.returns > 0, frame.state == obliq.STATES.index("sampled"))
+
+    def test_labels_of_a_window_and_of_a_frame_on_request_are_those_of_the_whole(self):
+        whole = self.radar.frame(planes="material building height returns")
+        window = obliq.Window(azimuth=slice(8, 40, 2), range=slice(10, 90, 3))
+        part = self.server.render(self.radar.settings, self.radar.pose, planes="height returns", window=window)
+        np.testing.assert_array_equal(part.height, whole.height[8:40:2, 10:90:3])
+        np.testing.assert_array_equal(part.returns, whole.returns[8:40:2, 10:90:3])
 
     @support.needs("zstandard")
     def test_compressed_blocks_bring_the_same_bits(self):

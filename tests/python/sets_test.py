@@ -1,5 +1,6 @@
 """Data sets: columns, splits, scenes, coverage, poses that are judged and taken up again, sums, and other programs' formats."""
 import json
+import os
 import pickle
 import subprocess
 import sys
@@ -338,10 +339,21 @@ class Sets(Folder):
             obliq.torch.RadarDataset(data, planes="state")
 
     def test_noise_of_two_frames_is_alike_by_chance_alone(self):
+        good, sentence = _self_test.labels(self.folder, OBLIQD)
+        self.assertTrue(good, sentence)
         good, sentence = _self_test.noise(self.folder, OBLIQD)
         self.assertTrue(good, sentence)
         self.assertRegex(sentence, "largest correlation of two of 24 frames is 0.0.* by chance 0.0302")
         print(sentence)
+
+
+    def test_the_notebook_of_labels_learns_more_than_a_threshold(self):
+        cells = json.loads((support.ROOT / "client/python/labels.ipynb").read_text())["cells"]
+        code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
+                              env={**os.environ, "OBLIQD": OBLIQD, "PYTHONPATH": os.pathsep.join(sys.path), "TMPDIR": str(self.folder)})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        print(done.stdout)
 
 
 if __name__ == "__main__":

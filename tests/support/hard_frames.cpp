@@ -124,6 +124,7 @@ HardWork render_heard(const HardFrame& frame, HeardWork& heard) {
     options.threads = 1;
     options.receiver = &receiver;
     options.video8 = true;
+    options.labels = true;
     options.on_wedge = [&](Wedge&& wedge) { sum.add(wedge); };
     if (!render_wedges(plan, {0, settings.azimuth_bins}, options)) throw Stopped{};
     work.stats = sum.total();

@@ -91,12 +91,14 @@ TEST(WedgeMemory, OfABinOfAWholeCircleIsSmall) {
   RadarSettings behind_a_pulse = settings;
   behind_a_pulse.pulse.kind = PulseKind::rectangular;
   behind_a_pulse.pulse.length_us = 0.1;
-  for (const RadarSettings& s : {settings, behind_a_pulse}) {
-    const std::int64_t said = rendering_size(s, 64).bytes;
+  for (const auto& [s, labels] :
+       {std::pair{settings, false}, {behind_a_pulse, false}, {settings, true}, {behind_a_pulse, true}}) {
+    const std::int64_t said = rendering_size(s, 64, labels ? 2 : 0).bytes;
     EXPECT_LT(said, 200'000'000);
     const auto plan = plan_of(s);
     RenderOptions options;
     options.threads = 64;
+    options.labels = labels;
     const std::uint64_t before = memory_of(getpid()).resident_bytes;
     if (!restart_peak_memory()) GTEST_SKIP() << "/proc/self/clear_refs cannot be written";
     ASSERT_TRUE(render_wedges(*plan, {0, 1}, options));

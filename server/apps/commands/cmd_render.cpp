@@ -34,6 +34,7 @@ struct RenderArguments {
   std::string out;
   bool samples = false;
   int video_bits = 0;  ///< 0: no video
+  bool labels = false;
   PictureArguments picture;
   bool profile = false;
   int threads = 0;
@@ -124,6 +125,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   options.observer = textures.get();
   options.video8 = arguments.video_bits == 8;
   options.video16 = arguments.video_bits == 16;
+  options.labels = arguments.labels;
   options.draw = frame_draw(radar.name, receiver.counter());
   options.on_wedge = [&](Wedge&& wedge) {
     copy_azimuths(wedge.bins, frame.bins);
@@ -172,6 +174,10 @@ void add_render(CLI::App& app) {
       ->add_option("--video-bits", arguments->video_bits,
                    "Also write video.npy, the plane video, of so many bits a bin")
       ->check(CLI::IsMember({8, 16}));
+  command->add_flag(
+      "--labels", arguments->labels,
+      "Also write material.npy, building.npy, height.npy and returns.npy: what the ground of each bin "
+      "is");
   add_picture_arguments(*command, arguments->picture);
   command->add_flag("--profile", arguments->profile,
                     "Report where the time of loading and of a frame goes, on stderr and in timing.json; "

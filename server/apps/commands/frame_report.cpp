@@ -121,6 +121,8 @@ BinBlock take_bins(client::AssembledFrame& frame) {
   bins.power_w = std::move(frame.power_w);
   bins.count = std::move(frame.count);
   bins.state = std::move(frame.state);
+  bins.labels = {std::move(frame.material), std::move(frame.building), std::move(frame.height_m),
+                 std::move(frame.returns)};
   if (frame.video_bits == 8)
     bins.video8.assign(frame.video.begin(), frame.video.end());
   else

@@ -28,7 +28,7 @@ wire::PlaneSet planes_from_names(const std::string& names) {
   for (std::string name; std::getline(in, name, ',');) {
     int plane = 0;
     while (plane < wire::kPlanes && name != wire::plane_name(static_cast<wire::Plane>(plane))) ++plane;
-    if (plane == wire::kPlanes) {
+    if (!wire::plane_from_number(plane)) {
       set = 0;
       break;
     }
@@ -98,8 +98,9 @@ void add_stream_arguments(CLI::App& app, StreamArguments& arguments) {
          "Only these azimuth bins, those below END, every STEP-th; any part may be left out: 100:200, ::4")
       ->type_name("FIRST:END:STEP");
   app.add_option("--ranges", arguments.ranges, "The same for range bins")->type_name("FIRST:END:STEP");
-  app.add_option("--planes", arguments.planes,
-                 "Only these of iq,power,count,state,video; without: the first four")
+  app.add_option(
+         "--planes", arguments.planes,
+         "Only these of iq,power,count,state,video,material,building,height,returns; without: the first four")
       ->type_name("NAMES");
   app.add_option("--video-bits", arguments.video_bits, "Bits of the plane video")
       ->check(CLI::IsMember({8, 16}))

@@ -18,6 +18,7 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.scene_name = config.name;
   options.dead_after_s = config.server.dead_after_s;
   options.render_threads = config.threads;
+  options.materials = static_cast<int>(config.materials.size());
   return options;
 }
 

@@ -130,6 +130,9 @@ bool ReplayedFrame::render(AzimuthRange azimuths, const RenderOptions& options) 
     wedge.bins.power_w = rows_of(frame.power_w);
     wedge.bins.count = rows_of(frame.count);
     wedge.bins.state = rows_of(frame.state);
+    if (options.labels)
+      wedge.bins.labels = {rows_of(frame.material), rows_of(frame.building), rows_of(frame.height_m),
+                           rows_of(frame.returns)};
     if (!frame.video.empty() && (options.video8 || options.video16)) {
       add_video(rows_of(frame.video), frame.video_bits, options, wedge.bins);
     } else if (options.video8 || options.video16) {

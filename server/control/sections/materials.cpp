@@ -82,7 +82,7 @@ std::optional<std::size_t> find_material(const std::vector<Material>& materials,
 }
 
 void read_materials(SceneReading& scene) {
-  constexpr std::size_t kMost = 256;  // ids are bytes
+  constexpr std::size_t kMost = 255;  // ids are bytes, and 255 is none (Labels)
   std::vector<Material>& materials = scene.config.materials;
   materials = shipped_materials();
   scene.top.one_table("materials", [&](const ConfigNode& all) {
@@ -94,7 +94,7 @@ void read_materials(SceneReading& scene) {
       if (table.kind != ConfigNode::Kind::table || table.key.empty() || table.key.size() > 64 ||
           materials.size() >= kMost) {
         scene.complaints.add(table.where,
-                             {full_name, table.found_text(), "a table [materials.NAME], 256 at most"});
+                             {full_name, table.found_text(), "a table [materials.NAME], 255 at most"});
         continue;
       }
       auto id = find_material(materials, table.key);

@@ -2,6 +2,7 @@
 
 import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./palettes.js";
 import { UPS } from "./heading.js";
+import { LABEL_PLANES, labelLegend } from "./labels.js";
 import { UNIT_M } from "./grid.js";
 import { hasReceiver } from "./levels.js";
 import { turned } from "./placement.js";
@@ -11,7 +12,7 @@ const $ = (id) => document.getElementById(id);
 /** @type {Record<string, any>} what the fragment may say, and what holds without it */
 export const DEFAULTS = {
   palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "auto", slant: false, unit: "km",
-  rings: true, overlay: false, bscope: false, profile: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
+  rings: true, overlay: false, label: "", bscope: false, profile: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
 };
 
 export function readFragment() {
@@ -24,6 +25,7 @@ export function readFragment() {
   }
   if (!PALETTES.includes(found.palette)) found.palette = DEFAULTS.palette;
   if (!["km", "NM"].includes(found.unit)) found.unit = DEFAULTS.unit;
+  if (!LABEL_PLANES.includes(found.label)) found.label = DEFAULTS.label;
   if (!UPS.includes(found.up)) found.up = DEFAULTS.up;
   found.size = Math.min(2, Math.max(0.7, found.size));
   found.rate = Math.max(0.1, found.rate);
@@ -83,6 +85,7 @@ export class Display {
     $("unit-km").onclick = () => this.set({ unit: "km" });
     $("unit-nm").onclick = () => this.set({ unit: "NM" });
     $("overlay").onclick = () => this.set({ overlay: !look.overlay });
+    $("label").onchange = () => this.set({ label: $("label").value });
     $("hold").onclick = () => this.set({ hold: !look.hold });
     $("zoom-out").onclick = () => app.zoom(1 / 1.5);
     $("zoom-in").onclick = () => app.zoom(1.5);
@@ -101,7 +104,7 @@ export class Display {
   }
 
   /** @param {Uint32Array} tile 8 x 8 pixels */
-  #legend(title, text, tile) {
+  #legend(title, text, tile, to = "overlay-legend") {
     const item = document.createElement("i");
     item.title = title;
     item.textContent = text;
@@ -111,7 +114,19 @@ export class Display {
     const image = new ImageData(new Uint8ClampedArray(tile.buffer.slice(0)), 8, 8);
     for (const x of [0, 8]) c.putImageData(image, x, 0);
     item.prepend(swatch);
-    $("overlay-legend").append(item);
+    $(to).append(item);
+  }
+
+  /** What the colours of a label mean, once its frame has come. */
+  #labelLegend() {
+    const { label } = this.app.look;
+    const legend = labelLegend(label, this.app.panes[0]?.bins.descriptor);
+    const key = `${label} ${legend.map(([word]) => word)}`;
+    if (this.legendKey === key) return;
+    this.legendKey = key;
+    $("label-legend").replaceChildren();
+    $("label-legend").hidden = !legend.length;
+    for (const [word, tile] of legend) this.#legend(word, word, tile, "label-legend");
   }
 
   /** Levels by the receiver again, or by what is shown. */
@@ -184,7 +199,9 @@ export class Display {
     check("unit-km", look.unit === "km");
     check("unit-nm", look.unit === "NM");
     press("overlay", look.overlay);
-    $("overlay-legend").hidden = !look.overlay;
+    $("overlay-legend").hidden = !look.overlay || Boolean(look.label);
+    $("label").value = look.label;
+    this.#labelLegend();
     press("hold", look.hold);
     for (const k of [0, 1])
       for (const [kind, scale, digits] of [["ebl", 1, 1], ["vrm", UNIT_M[look.unit], 2]]) {

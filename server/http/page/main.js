@@ -32,7 +32,7 @@ export class App {
     this.look = {
       palette: kept.palette, compensated: kept.r2,
       afterglow_s: Math.max(0, kept.glow), autoGlow: kept.glow < 0, up: kept.up, slant: kept.slant, unit: kept.unit,
-      rings: kept.rings, overlay: kept.overlay, bscope: kept.bscope, profile: kept.profile, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
+      rings: kept.rings, overlay: kept.overlay, label: kept.label, bscope: kept.bscope, profile: kept.profile, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
       size: kept.size, px: sizeFor(kept.size),
     };
     applySize(this.look.px);
@@ -127,7 +127,7 @@ export class App {
     }));
     writeFragment({
       ...levels, palette: look.palette, r2: look.compensated, glow: look.autoGlow ? -1 : look.afterglow_s, up: look.up, slant: look.slant,
-      unit: look.unit, rings: look.rings, overlay: look.overlay, bscope: look.bscope, profile: look.profile, size: look.size, expert: this.kept.expert, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
+      unit: look.unit, rings: look.rings, overlay: look.overlay, label: look.label, bscope: look.bscope, profile: look.profile, size: look.size, expert: this.kept.expert, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
       a: this.kept.a, b: this.kept.b,
     });
   }
@@ -231,9 +231,9 @@ export class App {
     const asks = [];
     for (const radar of this.subscribed ?? []) if (!wanted.has(radar)) asks.push(link.ask("Unsubscribe", { radar }));
     const rate_hz = Math.min(this.kept.rate, number(link.welcome.limits?.max_rate_hz, this.kept.rate));
-    this.withStates = new Set([...wanted].filter((radar) => this.wantsStates(radar)));
+    this.withStates = new Set([...wanted].filter((radar) => this.secondPlane(radar)));
     for (const radar of wanted) {
-      const planes = this.withStates.has(radar) ? ["VIDEO", "STATE"] : ["VIDEO"];
+      const planes = ["VIDEO", this.secondPlane(radar)].filter(Boolean);
       asks.push(link.ask("Subscribe", { radar, rate_hz, planes, video_bits: 8 }).catch((error) => {
         for (const pane of this.panes) if (pane.radar === radar) pane.says = error.message;
         throw error;
@@ -242,6 +242,11 @@ export class App {
     this.subscribed = wanted;
     for (const pane of this.panes) if (pane.radar && !this.withStates.has(pane.radar)) pane.bins.forgetStates();
     await Promise.allSettled(asks);
+  }
+
+  /** What comes beside the video: a label, or states; nothing: neither. */
+  secondPlane(radar) {
+    return this.look.label || (this.wantsStates(radar) ? "STATE" : "");
   }
 
   /** For the overlay; and where a live radar looks at ground that no file has, which is hatched. */
@@ -341,7 +346,8 @@ export class App {
     Object.assign(look, change);
     const has = (...keys) => keys.some((key) => key in change);
     if (has("size")) this.resize();
-    if (has("hold", "overlay") && !look.hold) this.subscribe();
+    if (has("label")) for (const pane of this.panes) pane.bins.forgetStates();
+    if (has("hold", "overlay", "label") && !look.hold) this.subscribe();
     for (const pane of this.panes) {
       if (has("palette", "afterglow_s")) pane.ppi.restyle();
       if (has("compensated")) {
@@ -349,7 +355,7 @@ export class App {
         this.rescale(pane);
         if (pane.bins.descriptor) pane.level(performance.now());
       }
-      if (has("overlay")) pane.ppi.needs.all = true;
+      if (has("overlay", "label")) pane.ppi.needs.all = true;
       if (has("up", "slant", "bscope")) look.window = null;
       if (has("up", "slant", "bscope") || !Object.keys(change).length) pane.ppi.refresh();
       pane.ppi.needs.grid = pane.ppi.needs.marks = true;

@@ -2,6 +2,7 @@
 
 import { Annunciators } from "./annunciators.js";
 import { Bins } from "./bins.js";
+import { asStates } from "./labels.js";
 import { Levels } from "./levels.js";
 import { Ppi } from "./ppi.js";
 import { Profile } from "./profile.js";
@@ -93,7 +94,8 @@ export class Pane {
       const past_ms = utcNow_ms() + this.app.link.offset_ms - utc_ms;
       const sent_ns = number(body.send_ns);
       const age_ms = (clock_ns) => (clock_ns === undefined ? 0 : past_ms + (sent_ns - number(clock_ns)) * 1e-6);
-      const { debrief } = this.app;
+      const { debrief, look } = this.app;
+      [body, plane] = look.label && body.plane === look.label ? asStates(body, plane, bins.descriptor) : [body, plane];
       bins.block(body, plane, { now_ms, age_ms, utc_ms: debrief.state ? debrief.utcAt_ms(debrief.position_s) : utc_ms });
     } else if (type === "FrameEnd") {
       if (bins.end(body)) ppi.refresh();
@@ -171,14 +173,14 @@ export class Pane {
     const { link, look } = this.app;
     const d = first.bins.descriptor;
     if (!this.isRendered || this.pending || !d || !link.isLive || look.hold) return;
-    const withStates = this.app.wantsStates(first.radar);
-    const wanted = JSON.stringify([this.source, d.settings, d.pose, withStates]);
+    const second = this.app.secondPlane(first.radar);
+    const wanted = JSON.stringify([this.source, d.settings, d.pose, second]);
     if (wanted === this.rendered) return;
     this.rendered = wanted;
     const settings = { ...d.settings, ...changesOf(this.source, d.settings) };
     if (settings.planes_per_bin && settings.frustum === "SWEEP") delete settings.pixel_columns;
     this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
-      planes: withStates ? ["VIDEO", "STATE"] : ["VIDEO"] });
+      planes: ["VIDEO", second].filter(Boolean) });
   }
 
   /** The server renders no such frame. */

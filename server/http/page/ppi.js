@@ -6,6 +6,7 @@ import { DEGREE, turned } from "./placement.js";
 import { Heading } from "./heading.js";
 import { drawAxes, drawGrid } from "./grid.js";
 import { drawMarks } from "./marks.js";
+import { LABEL_TILES } from "./labels.js";
 
 const MOST_PIXELS = 1440; // a side; above, the browser scales
 const MARGIN_PX = 34; // for the bearings around the picture
@@ -28,6 +29,7 @@ const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
  * @property {boolean} slant
  * @property {"km"|"NM"} unit
  * @property {boolean} overlay
+ * @property {string} label the plane whose labels are shown; empty: none
  * @property {boolean} rings
  * @property {{right_m: number, ahead_m: number, zoom: number}|null} window null: all of the sector
  * @property {{east_m: number, north_m: number}|null} cursor
@@ -288,7 +290,7 @@ export class Ppi {
     const { bins, table, out, palette, ages } = this;
     const { rowStart } = table;
     const perMs = bins.scan && this.look.afterglow_s > 0 ? (AGES - 1) / (1000 * this.look.afterglow_s) : 0;
-    const tiles = bins.hasStates ? (this.look.overlay ? TILES : UNKNOWN_TILES) : null;
+    const tiles = bins.hasStates ? (this.look.label ? LABEL_TILES : this.look.overlay ? TILES : UNKNOWN_TILES) : null;
     let [top, bottom, rows] = [Infinity, -1, 0];
     for (let row = 0; row < bins.placement.azimuths; ++row) {
       const since = (clock_ms - bins.seen_ms[row]) * perMs;

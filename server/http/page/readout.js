@@ -1,5 +1,6 @@
 // Numbers beside the picture: cursor, markers, rates and latencies.
 
+import { labelWord } from "./labels.js";
 import { STATE_WORDS } from "./palettes.js";
 import { UNIT_M } from "./grid.js";
 import { turned } from "./placement.js";
@@ -54,7 +55,7 @@ export class Readout {
     put("latitude", at ? minutesText(at.latitude_deg, "N", "S") : "–");
     put("longitude", at ? minutesText(turned(at.longitude_deg + 180) - 180, "E", "W") : "–");
     put("level", !at || at.bin < 0 ? "–" : was + (at.value_dB === null ? "no echo" : `${at.value_dB.toFixed(1)} dB`));
-    put("state", !at ? "–" : at.bin < 0 ? "outside" : at.state < 0 ? "–" : STATE_WORDS[at.state] ?? STATE_WORDS[3]);
+    put("state", !at ? "–" : at.bin < 0 ? "outside" : at.state < 0 ? "–" : look.label ? labelWord(look.label, at.state, pane.bins.descriptor) || "–" : STATE_WORDS[at.state] ?? STATE_WORDS[3]);
     const { lines } = look;
     for (const k of [0, 1]) {
       const parts = [lines.ebl[k] !== null && bearingText(lines.ebl[k]), lines.vrm[k] !== null && distanceText(lines.vrm[k], look.unit)];

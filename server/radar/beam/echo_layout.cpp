@@ -180,7 +180,7 @@ RadarSettings sharp_frame(const RadarSettings& s, const EchoLayout& layout) {
   return sharp;
 }
 
-EchoSize echo_size(const RadarSettings& s, std::int64_t threads) {
+EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_materials) {
   const EchoLayout layout = lay_out_echo(s, AzimuthPattern(s), kHigh);
   EchoSize size;
   size.sharp = sharp_frame(s, layout);
@@ -210,7 +210,8 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads) {
                                      std::int64_t{layout.sharp_azimuths});
   const std::int64_t list =
       grown_bytes(rows / kWedge + 2, sizeof(int)) + std::int64_t{2 * sizeof(std::vector<int>)};
-  const std::int64_t row_bytes = layout.stride() * kSharpBytesABin + size.n_tiles;
+  const std::int64_t of_labels = label_materials == 0 ? 0 : LabelShare::bytes_a_bin(label_materials) + 1;
+  const std::int64_t row_bytes = layout.stride() * (kSharpBytesABin + of_labels) + size.n_tiles;
   size.rows_bytes = rows * row_bytes + wedge_count(s.azimuth_bins) * list;
   size.sharp_bytes = layout.sharp_azimuths * row_bytes;
   return size;

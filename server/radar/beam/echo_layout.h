@@ -75,7 +75,8 @@ struct EchoSize {
 
   std::int64_t taps() const { return n_taps * n_tiles; }
 };
-EchoSize echo_size(const RadarSettings& settings, std::int64_t threads);
+/// label_materials: as wedge_bytes().
+EchoSize echo_size(const RadarSettings& settings, std::int64_t threads, int label_materials = 0);
 
 /// Why no sharp frame can be laid out so: its bins do not meet, or it has more pixels than can be numbered.
 std::optional<FieldError> layout_fault(const RadarSettings& settings, const EchoLayout& layout);

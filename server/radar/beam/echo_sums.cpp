@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
@@ -76,6 +77,7 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
     if (look && independent) write_voltages(bins.look.data() + row);
   }
   if (look && !independent) sum_looks(rows, bins);
+  if (!rows[0]->returns.empty()) bins.labels.returns.resize(bins.state.size());
   write_ground(rows, bins);
 }
 
@@ -91,6 +93,27 @@ void EchoSums::sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& b
     sum_ranges(kIq, lane);
     write_voltages(bins.look.data() + lane * static_cast<std::size_t>(plan_.n_range));
   }
+}
+
+void EchoSums::sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& bins) {
+  const int first_row = plan_.first_row(bins.first_azimuth);
+  std::set<int> kinds;
+  for (const SharpWedge* wedge : rows)
+    for (const LabelShare& label : wedge->label_powers) kinds.insert(label.kind);
+  Rows power_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)));
+  for (const int kind : kinds) {
+    std::ranges::fill(power_rows, zeros_.data());
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      if (const float* row = rows[k]->label_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)), kind))
+        power_rows[k] = row;
+    sum_azimuths({{kPower, &power_rows}}, bins.n_azimuth);
+    float* share = label_share(bins, kind).data();
+    for (int o = 0; o < bins.n_azimuth; ++o, share += plan_.n_range) {
+      sum_ranges(kPower, static_cast<std::size_t>(o));
+      write_share(bins, o, share);
+    }
+  }
+  decide_labels(bins);
 }
 
 /// Which azimuth weights the rows have, tile by tile; those beyond the last output have no ground.
@@ -178,6 +201,20 @@ void EchoSums::write(BinBlock& bins, std::size_t row, bool iq) const {
   if (iq && !from_power) write_voltages(bins.iq.data() + row);
 }
 
+/// A row of what ranges_ has, over the bins' power.
+void EchoSums::write_share(const BinBlock& bins, int output, float* share) const {
+  ask(2 * plan_.n_range);
+  const double* const power_w =
+      bins.power_w.data() + static_cast<std::size_t>(output) * static_cast<std::size_t>(plan_.n_range);
+  for (std::size_t m = 0; m < static_cast<std::size_t>(plan_.n_range); ++m) {
+    const double r2 = range2_m2_.empty() ? 1 : range2_m2_[m];
+    const double sum_w =
+        static_cast<double>(ranges_[kPower][m * static_cast<std::size_t>(plan_.range_parts)]) *
+        plan_.power_scale * (r2 * r2);
+    share[m] = power_w[m] > 0 ? static_cast<float>(sum_w / power_w[m]) : 0;
+  }
+}
+
 /// What ranges_ has of them, of the radar's power.
 void EchoSums::write_voltages(std::complex<float>* row) const {
   ask(2 * plan_.n_range);
@@ -208,6 +245,9 @@ void EchoSums::write_ground(const std::vector<const SharpWedge*>& rows, BinBlock
         const std::size_t bin = to + r / parts;
         const bool fresh = part == 0 && r % parts == 0;
         bins.count[bin] = (fresh ? 0 : bins.count[bin]) + wedge.count[from + r];
+        if (!bins.labels.returns.empty())
+          bins.labels.returns[bin] =
+              std::max(fresh ? std::uint8_t{0} : bins.labels.returns[bin], wedge.returns[from + r]);
         bins.state[bin] = fresh ? wedge.state[from + r] : joined(bins.state[bin], wedge.state[from + r]);
       }
     }

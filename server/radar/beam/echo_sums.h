@@ -21,6 +21,8 @@ class EchoSums {
   /// draw: names the frame, for independent speckle. iq: whether I&Q is wanted; look: BinBlock's.
   void sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, bool look,
            BinBlock& bins);
+  /// After sum(): labels, by the same sums over each of their powers.
+  void sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& bins);
 
  private:
   using Rows = std::vector<const float*>;
@@ -38,6 +40,7 @@ class EchoSums {
   void sum_ranges(int kind, std::size_t lane);
   void sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& bins);
   void write(BinBlock& bins, std::size_t row, bool iq) const;
+  void write_share(const BinBlock& bins, int output, float* share) const;
   void write_voltages(std::complex<float>* row) const;
   void write_ground(const std::vector<const SharpWedge*>& rows, BinBlock& bins) const;
 

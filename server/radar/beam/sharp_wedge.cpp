@@ -34,6 +34,7 @@ SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& 
     }
   }
   choose_kernels(bins);
+  if (planes.labels) take_labels(bins);
   if (planes.look) draw_look(plan, look_key);
 }
 
@@ -58,6 +59,19 @@ void SharpWedge::choose_kernels(const BinBlock& bins) {
   }
 }
 
+void SharpWedge::take_labels(BinBlock& bins) {
+  returns = std::move(bins.labels.returns);
+  if (returns.empty()) fill(returns, state.size(), 0);  // of a halo, where nobody asks
+  for (const LabelShare& share : bins.label_shares) {
+    std::vector<float>& row = label_powers.emplace_back(LabelShare{share.kind, power}).share;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(n_azimuth); ++a) {
+      ask(n_range);
+      const float* const of_bins = share.share.data() + a * static_cast<std::size_t>(n_range);
+      for (std::size_t r = 0; r < static_cast<std::size_t>(n_range); ++r) row[a * stride + r] *= of_bins[r];
+    }
+  }
+}
+
 /// A draw belongs to a place in the output frame: how far beyond it the sharp one reaches does not matter.
 void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
   constexpr std::uint64_t kBeside = std::uint64_t{1} << 30;  // more bins than a halo has
@@ -74,7 +88,7 @@ void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
 
 std::size_t SharpWedge::bytes() const {
   return (iq.size() + look.size() + power.size()) * sizeof(float) + count.size() * sizeof(std::uint32_t) +
-         state.size() + kernels.size();
+         state.size() + kernels.size() + returns.size() + label_powers.size() * power.size() * sizeof(float);
 }
 
 }  // namespace obliq

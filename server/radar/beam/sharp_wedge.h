@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -8,13 +9,14 @@
 
 namespace obliq {
 
-/// What sharp wedges hold beside power and count.
+/// What wedges that are kept hold beside power and count.
 struct SharpPlanes {
   bool iq = false;
   bool look = false;  ///< of video of several looks (BinBlock::look)
   bool states = false;
+  bool labels = false;
   bool hold(const SharpPlanes& wanted) const {
-    return iq >= wanted.iq && look >= wanted.look && states >= wanted.states;
+    return iq >= wanted.iq && look >= wanted.look && states >= wanted.states && labels >= wanted.labels;
   }
 };
 
@@ -33,6 +35,8 @@ struct SharpWedge {
   std::vector<std::uint8_t> kernels;
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;
+  std::vector<LabelShare> label_powers;  ///< rows as `power` has them: shares of it. Empty: not wanted
+  std::vector<std::uint8_t> returns;     ///< of labels, as count
   FrameStats stats;
 
   /// look_key: what the look's draws follow from.
@@ -45,10 +49,16 @@ struct SharpWedge {
     return kernels.data() + row(azimuth) / EchoPlan::kTile;
   }
   const float* look_row(int azimuth) const { return look.data() + 2 * row(azimuth); }
+  /// Null: all 0.
+  const float* label_row(int azimuth, int kind) const {
+    const auto at = std::ranges::find(label_powers, kind, &LabelShare::kind);
+    return at == label_powers.end() ? nullptr : at->share.data() + row(azimuth);
+  }
   std::size_t bytes() const;
 
  private:
   void choose_kernels(const BinBlock& bins);
+  void take_labels(BinBlock& bins);
   void draw_look(const EchoPlan& plan, std::uint64_t key);
   std::size_t row(int azimuth) const { return static_cast<std::size_t>(azimuth - first_azimuth) * stride; }
 };

@@ -8,14 +8,19 @@ namespace {
 constexpr int kAScatterer = 8;  // in units of ask()
 }  // namespace
 
-BinSums::BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages)
-    : plan_(plan), speckle_(speckle), voltages_(voltages), sines_(plan.antenna_gain().has_widths()) {}
+BinSums::BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, bool labels)
+    : plan_(plan),
+      speckle_(speckle),
+      voltages_(voltages),
+      sines_(plan.antenna_gain().has_widths()),
+      labels_(labels) {}
 
 void BinSums::restart(int first_azimuth) {
   edges_ = plan_.wedge_edges(first_azimuth);
   const std::size_t n = index(0, plan_.bins().n_range);
   fill(cells_, n, {0, 0, 0, 0});
   if (sines_) fill(sines_w_, n, 0);
+  labels_.restart(n);
 }
 
 void BinSums::add_scatterers(int n, const std::uint32_t* at, const std::uint64_t* place,
@@ -42,6 +47,7 @@ void BinSums::write(BinBlock& block) const {
       if (cell.count > 0) block.state[bin] = static_cast<std::uint8_t>(BinState::sampled);
     }
   }
+  labels_.write(block, index);
 }
 
 }  // namespace obliq

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "server/radar/echo/label_sums.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/scene_plan.h"
 
@@ -14,8 +15,8 @@ class BinSums {
  public:
   static constexpr std::size_t kBlock = 512;  ///< scatterers whose voltages are worked out together
 
-  /// voltages: false: I&Q is not computed.
-  BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages);
+  /// voltages: false: I&Q is not computed. labels: whether they are wanted.
+  BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, bool labels);
 
   /// Empties the bins for the wedge of this first azimuth bin and keeps their memory.
   void restart(int first_azimuth);
@@ -34,6 +35,8 @@ class BinSums {
     cells_[at].count += 1;
     if (sines_) sines_w_[at] += sine_w;
   }
+  /// What labels need of echoes, beside add().
+  LabelSums& labels() { return labels_; }
   void add_voltage(std::size_t at, double re, double im) {
     cells_[at].re += re;
     cells_[at].im += im;
@@ -42,7 +45,7 @@ class BinSums {
   void add_scatterers(int n, const std::uint32_t* at, const std::uint64_t* place, const std::uint64_t* kind,
                       const double* power_w);
 
-  /// Writes I&Q, power, count and elevation of all bins and the state of the sampled ones.
+  /// Writes I&Q, power, count, elevation and shares of labels of all bins and the state of the sampled ones.
   void write(BinBlock& block) const;
 
   static std::int64_t bytes(int n_range) {
@@ -62,6 +65,7 @@ class BinSums {
   WedgeEdges edges_;
   std::vector<Cell> cells_;      // [n_range][8]
   std::vector<double> sines_w_;  // [n_range][8] sines of elevation by power; empty: not wanted
+  LabelSums labels_;
 };
 
 }  // namespace obliq

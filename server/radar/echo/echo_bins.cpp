@@ -31,19 +31,20 @@ double cells_in_azimuth_bin(const RadarSettings& s) {
 }  // namespace
 
 EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                   AzimuthRange range, Surfaces surfaces)
+                   AzimuthRange range, Surfaces surfaces, bool labels)
     : plan_(plan),
       scattering_(scattering),
       speckle_(speckle),
       range_(range),
       surfaces_(surfaces),
       range_constant_(radar_equation_constant(plan.settings().power_w, plan.wavelength_m())),
-      bins_(plan, speckle, true) {
+      bins_(plan, speckle, true, labels) {
   cells_.axis = plan.bins();
   speckle.describe_cells(cells_);
   factors_.range_normalisation = normalises_samples(plan.settings());
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
     factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
+  if (labels) datum_ = {plan.scene().world().frame, {plan.sector().antenna_m}, plan.sector().r_max_m};
   restart(range);
 }
 
@@ -88,6 +89,9 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     const int azimuth = samples.azimuth_bin[k] - range_.first;
     const std::size_t bin = BinSums::index(azimuth, range_bin);
     bins_.add(bin, power, power * sine);
+    if (bins_.labels().wanted())
+      bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
+                         datum_.height_w(dx, dz, power * (at_m.y + r * samples.sin_elevation[k]), power));
     ++binned;
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
       plan_.seen().mark(plan_.scene().world().buildings.building_of_face[marked = samples.face[k]]);

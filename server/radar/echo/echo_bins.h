@@ -4,6 +4,7 @@
 
 #include "server/radar/bins.h"
 #include "server/radar/echo/bin_sums.h"
+#include "server/radar/echo/datum_surface.h"
 #include "server/radar/echo/scatterer_sums.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
@@ -16,7 +17,7 @@ namespace obliq {
 class EchoBins {
  public:
   EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-           AzimuthRange range, Surfaces surfaces = Surfaces::all);
+           AzimuthRange range, Surfaces surfaces = Surfaces::all, bool labels = false);
 
   /// Empties the bins for another wedge and keeps their memory.
   void restart(AzimuthRange range);
@@ -41,6 +42,7 @@ class EchoBins {
   Surfaces surfaces_;
   double range_constant_;  // K of radar_equation
   BinSums bins_;
+  DatumSurface datum_;  // of labels
   ScattererSums::Scratch scratch_;
   std::vector<ScattererSums> scatterers_;  // [range.count], ground speckle only
   SwathCells cells_;

@@ -17,12 +17,13 @@ constexpr int kAScatterer = 8;
 }  // namespace
 
 EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                     Surfaces surfaces, bool voltages)
+                     Surfaces surfaces, bool voltages, bool labels)
     : plan_(plan),
       speckle_(speckle),
       surfaces_(surfaces),
-      bins_(plan, speckle, voltages),
-      table_(scattering.echo_table()) {
+      bins_(plan, speckle, voltages, labels),
+      table_(scattering.echo_table()),
+      wants_labels_(labels) {
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
   table_.range_normalisation = normalises_samples(plan.settings());
@@ -43,6 +44,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   }
   where_.cells_per_m = cells_per_m_.data();
   where_.level_bits = level_bits_.data();
+  if (labels) datum_ = {plan.scene().world().frame, {antenna}, plan.sector().r_max_m};
 }
 
 void EchoCells::restart(int first_azimuth) {
@@ -79,6 +81,24 @@ void EchoCells::add(GroundEchoes& echoes) {
   }
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
+}
+
+void EchoCells::add(const GroundStretches& stretches) {
+  if (surfaces_ == Surfaces::buildings) return;
+  const StageProbe probe(Stage::bin);
+  const double antenna_y_m = plan_.sector().antenna_m.y;
+  ask(kAnEcho * stretches.n);
+  for (int k = 0; k < stretches.n; ++k) {
+    const std::uint32_t run = stretches.run(k);
+    const double power_w = static_cast<double>(stretches.light[k]) * table_.factor;
+    const double y_w = static_cast<double>(stretches.height[k]) * table_.factor + power_w * antenna_y_m;
+    const double middle_m = static_cast<double>(stretches.from_m[k] + stretches.end_m[k]) / 2;
+    bins_.labels().add(
+        BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(stretches.bin(k))),
+        power_w, stretches.material(k), false,
+        datum_.height_w(middle_m * where_.sin_bearing[run], middle_m * where_.cos_bearing[run], y_w,
+                        power_w));
+  }
 }
 
 void EchoCells::add_ground_voltages(int n) {
@@ -144,6 +164,9 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.power_w[k] = power_w;
   faces_.sec2[k] = echo.sec2_incidence;
   face_sine_[k] = sine;
+  if (wants_labels())
+    face_height_m_[k] =
+        datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
     const SpeckleField::OnFace scatterer =
         speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
@@ -167,6 +190,9 @@ void EchoCells::take_faces() {
   for (int k = 0; k < faces_.n; ++k) {
     bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
+    if (wants_labels())
+      bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
+                         faces_.power_w[k] * face_height_m_[k]);
   }
   faces_.n = 0;
 }

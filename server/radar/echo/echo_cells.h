@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/radar/echo/bin_sums.h"
+#include "server/radar/echo/datum_surface.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/scene_plan.h"
@@ -46,9 +47,9 @@ struct FacePower {
 /// scatterer of the sum of their powers. Sums run in the order of arrival.
 class EchoCells {
  public:
-  /// voltages: false: I&Q is not computed.
+  /// voltages: false: I&Q is not computed. labels: whether they are wanted.
   EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-            Surfaces surfaces, bool voltages);
+            Surfaces surfaces, bool voltages, bool labels = false);
 
   /// Begins with the wedge of this first azimuth bin.
   void restart(int first_azimuth);
@@ -60,6 +61,10 @@ class EchoCells {
   void set_bearing(std::size_t profile, SinCos bearing);
   /// Takes a list and empties it.
   void add(GroundEchoes& echoes);
+
+  bool wants_labels() const { return wants_labels_; }
+  /// Takes what labels need of the ground.
+  void add(const GroundStretches& stretches);
   /// Of azimuth bin `profile` of the wedge.
   void add(int profile, const FaceEcho& echo);
   void add(int profile, const FacePower& echo);
@@ -113,6 +118,11 @@ class EchoCells {
   double list_power_w_[kList]{};
   FaceEchoes faces_{};
   double face_sine_[FaceEchoes::kMost];
+  double face_height_m_[FaceEchoes::kMost];
+
+  // Of labels.
+  const bool wants_labels_;
+  DatumSurface datum_;
 };
 
 }  // namespace obliq

@@ -3,100 +3,10 @@
 #include "server/radar/simd/ground_echoes.h"
 
 #include "server/radar/simd/float_lanes.h"
+#include "server/radar/simd/running_ground.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
-
-/// Floats of eight or of sixteen profiles: of one plane of an azimuth bin, or of two.
-template <int n>
-using Floats = Lanes<float, n>;
-template <int n>
-using Words = Lanes<std::int32_t, n>;
-
-template <int n>
-OBLIQ_INLINE Floats<n> all(float value) {
-  return Floats<n>{} + value;
-}
-template <int n>
-OBLIQ_INLINE Words<n> truncated(Floats<n> x) {
-  return converted<std::int32_t>(x);
-}
-
-/// The range bin that each profile is in.
-template <int n>
-struct Running {
-  Floats<n> bin, distance, light, material, sine;
-
-  OBLIQ_INLINE explicit Running(const GroundEchoes& out)
-      : bin(load_as<Floats<n>>(out.bin_now)),
-        distance(load_as<Floats<n>>(out.distance_now_m)),
-        light(load_as<Floats<n>>(out.light_now)),
-        material(load_as<Floats<n>>(out.material_now)),
-        sine(load_as<Floats<n>>(out.sine_now)) {}
-  OBLIQ_INLINE void keep(GroundEchoes& out) const {
-    to_memory(out.bin_now, bin);
-    to_memory(out.distance_now_m, distance);
-    to_memory(out.light_now, light);
-    to_memory(out.material_now, material);
-    to_memory(out.sine_now, sine);
-  }
-};
-
-#if !defined(__AVX512F__)
-/// By mask: which of eight lanes is the first in it, the second and so on, a byte each.
-struct Fronts {
-  std::uint64_t of[256] = {};
-  constexpr Fronts() {
-    for (unsigned mask = 0; mask < 256; ++mask)
-      for (unsigned lane = 8; lane-- > 0;)
-        if ((mask >> lane & 1) != 0) of[mask] = of[mask] << 8 | lane;
-  }
-};
-constexpr Fronts kFronts;
-#endif
-
-/// Moves the lanes in `mask` to the front of `to`; what is written behind them means nothing.
-template <typename T, int n>
-OBLIQ_INLINE void put_front(T* to, unsigned mask, Lanes<T, n> x) {
-#if defined(__AVX512F__)
-  if constexpr (n == 16)
-    _mm512_storeu_si512(
-        to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), __builtin_bit_cast(__m512i, x)));
-  else
-    _mm256_storeu_si256(
-        reinterpret_cast<__m256i*>(to),
-        _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), __builtin_bit_cast(__m256i, x)));
-#else
-  if constexpr (n == 16) {
-    put_front(to, mask & 0xff, low_half(x));
-    put_front(to + __builtin_popcount(mask & 0xff), mask >> 8, high_half(x));
-  } else {
-#if defined(__AVX2__)
-    const __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kFronts.of[mask])));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
-                        _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, x), order));
-#else
-    T from[n];
-    to_memory(from, x);
-    for (int k = 0; k < __builtin_popcount(mask); ++k) to[k] = from[kFronts.of[mask] >> 8 * k & 7];
-#endif
-  }
-#endif
-}
-
-template <bool kSines, int n>
-OBLIQ_INLINE void put(unsigned ended, const Running<n>& now, GroundEchoes& out) {
-  const auto words = [](Words<n> x) __attribute__((always_inline)) {
-    return OBLIQ_ISA::bits_as<std::uint32_t>(x);
-  };
-  put_front(out.at + out.n, ended,
-            words(truncated(now.bin) * GroundEchoes::kRuns + lane_numbers<std::int32_t, n>()));
-  put_front(out.distance_m + out.n, ended, now.distance);
-  put_front(out.light + out.n, ended, now.light);
-  put_front(out.material + out.n, ended, words(truncated(now.material)));
-  if constexpr (kSines) put_front(out.sine + out.n, ended, now.sine);
-  out.n += __builtin_popcount(ended);
-}
 
 /// One row of eight segments in doubles, or none.
 struct Row {
@@ -152,9 +62,9 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
 /// those that are not done are in `wanted`, from parts.at on.
-template <bool kSines, int n>
+template <bool kSines, int n, class Labels>
 OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, Running<n>& now,
-                      GroundEchoes& out) {
+                      GroundEchoes& out, Labels& labels) {
   using Float = Floats<n>;
   using Word = Words<n>;
   const auto r_min = static_cast<float>(cut.axis.r_min_m);
@@ -231,12 +141,14 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
             cross_section_of(cut.echo, parts.material,
                              max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all<n>(1.0F)));
       Float sine{};
-      if (kSines || cut.echo.elevation.gain != nullptr) {
+      // Labels have one text of both.
+      const bool widths = kSines && (!Labels::kWanted || cut.echo.sines);
+      if (widths || cut.echo.elevation.gain != nullptr) {
         const Float middle_d = 0.5F * (d0 + d1);
         const Float middle_h = 0.5F * (h0 + h1);
         // Of a beam's width, which is 1 / cos(e), the middle of the strip has the mean straight below as
         // well.
-        const Float range2 = kSines ? middle_d * middle_d + middle_h * middle_h : r01;
+        const Float range2 = widths ? middle_d * middle_d + middle_h * middle_h : r01;
         sine = (middle_h + load_as<Float>(cut.lean) * middle_d) / sqrt(range2);
         const Float towards = elevation_gain(cut.echo.elevation, sine);
         gain *= towards * towards;
@@ -259,6 +171,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
       now.bin = select(fresh, bin, now.bin);
       now.distance = select(fresh, d0 + 0.5F * spacing, now.distance);
       now.material = select(fresh, parts.material, now.material);
+      if constexpr (Labels::kWanted) labels.add(has, bin, parts.material, d0, h0, d1, h1, light);
     }
     t0 = t1;
     d0 = d1;
@@ -289,12 +202,18 @@ OBLIQ_INLINE Floats<n> of_rows(const Row& left, const Row& right, const Value& v
   of_rows<n>(               \
       left, right, [](const Row& row) __attribute__((always_inline)) { return row.what; })
 
-template <bool kSines, int n>
-OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
+template <bool kSines, int n, class Labels>
+OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out,
+                           GroundStretches* stretches) {
   using Float = Floats<n>;
   Running<n> now(out);
+  Labels labels(stretches);
   bool room = true;
   for (; a.first < a.end || b.first < b.end; ++a.first, ++b.first) {
+    if (labels.is_full()) {
+      room = false;
+      break;
+    }
     const Row left(a);
     const Row right(b);
     const auto bit =
@@ -326,17 +245,17 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
       const Float whole = parts.end;
       const Float turn = clamp(-along / rate2, Float{}, whole);
       parts.end = select(turns, turn, whole);
-      room = add<kSines>(cut, parts, wanted, now, out);
+      room = add<kSines>(cut, parts, wanted, now, out, labels);
       left_over = wanted | turns;
       parts.end = whole;
       if (room) {
         parts.at = turn;
         wanted = turns;
-        room = add<kSines>(cut, parts, wanted, now, out);
+        room = add<kSines>(cut, parts, wanted, now, out, labels);
         left_over = wanted;
       }
     } else {
-      room = add<kSines>(cut, parts, wanted, now, out);
+      room = add<kSines>(cut, parts, wanted, now, out, labels);
       left_over = wanted;
     }
     if (!room) {
@@ -351,19 +270,23 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     }
   }
   now.keep(out);
+  labels.keep();
   return room;
 }
 #undef OBLIQ_OF_ROWS
 
 template <bool kSines>
 OBLIQ_INLINE bool add_any_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
-  return b.first < b.end ? add_rows<kSines, kFloatLanes>(cut, a, b, out)
-                         : add_rows<kSines, kLanes>(cut, a, b, out);
+  return b.first < b.end ? add_rows<kSines, kFloatLanes, NoStretch<kFloatLanes>>(cut, a, b, out, nullptr)
+                         : add_rows<kSines, kLanes, NoStretch<kLanes>>(cut, a, b, out, nullptr);
 }
 
 }  // namespace
 
-bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out) {
+bool ground_echoes(const GroundCut& cut, SegmentRows& a, SegmentRows& b, GroundEchoes& out,
+                   GroundStretches* stretches) {
+  if (stretches != nullptr)
+    return add_rows<true, kFloatLanes, Stretch<kFloatLanes>>(cut, a, b, out, stretches);
   return cut.echo.sines ? add_any_rows<true>(cut, a, b, out) : add_any_rows<false>(cut, a, b, out);
 }
 

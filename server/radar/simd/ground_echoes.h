@@ -44,6 +44,42 @@ struct GroundEchoes {
   float sine[kMost + kSpare];  ///< sine of elevation times light, where the table wants sines
 };
 
+/// What labels need of that ground: a stretch of it of one material in one range bin, without a gap. As
+/// GroundEchoes, beside which it lies.
+struct GroundStretches {
+  /// A row of segments adds as many as it adds echoes, and two a run. It begins where those fit: a list that
+  /// is full never divides a segment, so that echoes keep their bits.
+  static constexpr int kMost = 2 * GroundEchoes::kMost + 3 * GroundEchoes::kRuns + GroundEchoes::kSpare;
+  static constexpr int kMaterialBit = 24;
+  static constexpr std::uint32_t kPlaces = (std::uint32_t{1} << kMaterialBit) - 1;
+  static constexpr float kGap_m = 1.0F / 16;  ///< ends of segments are floats: a shorter gap is none
+  float bin_now[GroundEchoes::kRuns];
+  float material_now[GroundEchoes::kRuns];
+  float from_now_m[GroundEchoes::kRuns];  ///< ground distances of its ends,
+  float end_now_m[GroundEchoes::kRuns];
+  float from_now_h_m[GroundEchoes::kRuns];  ///< and heights above the antenna
+  float end_now_h_m[GroundEchoes::kRuns];
+  float light_now[GroundEchoes::kRuns];
+  float height_now[GroundEchoes::kRuns];
+  bool wants_ends;  ///< from_h_m and end_h_m are filled in
+  int n;
+  std::uint32_t at[kMost];  ///< as in GroundEchoes, and the material from bit kMaterialBit on
+  float from_m[kMost], end_m[kMost];
+  float from_h_m[kMost], end_h_m[kMost];
+  float light[kMost];
+  float height[kMost];  ///< above the antenna, times light
+
+  /// Begins a run.
+  void start(std::size_t of) {
+    bin_now[of] = -1;
+    material_now[of] = from_now_m[of] = end_now_m[of] = from_now_h_m[of] = end_now_h_m[of] = 0;
+    light_now[of] = height_now[of] = 0;
+  }
+  std::uint32_t run(int k) const { return at[k] % GroundEchoes::kRuns; }
+  std::uint32_t bin(int k) const { return (at[k] & kPlaces) / GroundEchoes::kRuns; }
+  std::uint8_t material(int k) const { return static_cast<std::uint8_t>(at[k] >> kMaterialBit); }
+};
+
 /// Rows [first, end) of segments.
 struct SegmentRows {
   VisibleSegments* segments;
@@ -52,8 +88,10 @@ struct SegmentRows {
 };
 
 /// Adds rows of segments, of both runs side by side; what is done is taken off their fronts. False: the list
-/// of echoes is full, and what is left of a row stays in its segments.
-OBLIQ_KERNEL(bool, ground_echoes, const GroundCut&, SegmentRows&, SegmentRows&, GroundEchoes&);
+/// of echoes is full, and what is left of a row stays in its segments, or that of stretches. Stretches: null:
+/// not wanted.
+OBLIQ_KERNEL(bool, ground_echoes, const GroundCut&, SegmentRows&, SegmentRows&, GroundEchoes&,
+             GroundStretches*);
 
 /// Where the ground cells of echoes lie: by range bin, and by profile.
 struct PlaceOfEchoes {

@@ -1,5 +1,8 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -7,6 +10,7 @@
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/sub_columns.h"
 #include "server/radar/sweep/near_view.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 
@@ -23,6 +27,18 @@ class BuildingView {
 
   /// All buildings of an azimuth bin; `profile`: its place in the wedge. False: no building is near it.
   bool see(int azimuth_bin, int profile, EchoCells& cells);
+
+  /// Those of the bin seen last that a plane may cross, by their numbers; `position`: 0 to 1 across the bin.
+  void across(double position, std::vector<std::uint32_t>& buildings) const {
+    const auto tangent = static_cast<float>(std::tan((position - 0.5) * plan_.bins().azimuth_width_rad));
+    ask(static_cast<std::int64_t>(buildings_.size() + parts_.size()));
+    buildings.clear();
+    std::ranges::copy_if(buildings_, std::back_inserter(buildings), [&](auto b) { return near_.has(b); });
+    for (const Part& part : parts_)
+      if (part.from <= tangent && tangent <= part.to) buildings.push_back(part.building);
+    std::ranges::sort(buildings);
+    buildings.erase(std::unique(buildings.begin(), buildings.end()), buildings.end());
+  }
 
   /// Writes the share of a plane's light that buildings leave in each range bin of the bin seen last to
   /// kept[bin * 8], and marks in `cells` where they leave none.

@@ -50,12 +50,17 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
   if (cut_.material == nullptr) cut_.echo.any_lobes = cut_.echo.peak[0] > 0;
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
   echoes_.n = 0;
+  if (!cells.wants_labels()) return;
+  stretches_ = std::make_unique_for_overwrite<GroundStretches>();
+  stretches_->n = 0;
+  returns_ = std::make_unique<SweptReturns>(plan, planes_);
 }
 
 std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
   const double kept = static_cast<double>(s.range_bins) * kWedgeAzimuthBins;
   const double nodes = BuildingView::kMostNodesABin * s.r_max_m / s.range_bin_m();
-  return std::llround(sweep_columns_per_bin(s) * static_cast<double>(sizeof(float)) * (kept + 5 * nodes));
+  return std::llround(sweep_columns_per_bin(s) * static_cast<double>(sizeof(float)) * (kept + 5 * nodes)) +
+         SweptReturns::bytes(s.range_bins);
 }
 
 void SweepEchoes::run(FrameStats& stats) {
@@ -79,6 +84,10 @@ void SweepEchoes::view_buildings() {
       view_.kept_shares(
           plane, kept_.data() + static_cast<std::size_t>(plane) * shares + static_cast<std::size_t>(profile),
           cells_);
+    for (int plane = 0; returns_ && plane < planes_; ++plane) {
+      std::vector<std::uint32_t>& buildings = returns_->buildings(plane, profile);
+      view_.across((plane + 0.5) / planes_, buildings);
+    }
   }
 }
 
@@ -93,8 +102,10 @@ void SweepEchoes::start_planes() {
   for (std::size_t k = 0; k < GroundEchoes::kRuns; ++k) {
     echoes_.bin_now[k] = -1;
     echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = echoes_.sine_now[k] = 0;
+    if (stretches_) stretches_->start(k);
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
+  if (stretches_) stretches_->wants_ends = returns_->any_roofs();
   cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
   cut_.kept[1] = kept_.empty() || together_ == 1 ? cut_.kept[0] : cut_.kept[0] + shares;
   plane_ += together_;
@@ -116,6 +127,7 @@ void SweepEchoes::start_plane(int half) {
     set_out(profiles, lane, bearing, plan_.scene().world().grid, plan_.sector().antenna_m, widths);
     const std::size_t run = lane + static_cast<std::size_t>(half) * SightProfiles::kLanes;
     cells_.set_bearing(run, bearing);
+    if (returns_) returns_->start(run, plane_ + half, static_cast<int>(lane), bearing);
     const ElevationTable& elevation = cut_.echo.elevation;
     cut_.lean[run] = static_cast<float>(elevation.lean_x * bearing.sin + elevation.lean_z * bearing.cos);
   }
@@ -133,12 +145,42 @@ void SweepEchoes::march_planes() {
     }
     SegmentRows a{&segments_[0], 0, segments_[0].n};
     SegmentRows b{&segments_[1], 0, segments_[1].n};
-    while (!active_kernels().ground_echoes(cut_, a, b, echoes_)) cells_.add(echoes_);
+    while (!active_kernels().ground_echoes(cut_, a, b, echoes_, stretches_.get())) {
+      if (echoes_.n > GroundEchoes::kMost - GroundEchoes::kSpare) cells_.add(echoes_);
+      if (stretches_) take_stretches();
+    }
   }
   // The cells of sixteen profiles are few enough to ask for them together; so are the echoes of a list.
   for (MarchedCells& cells : marched) cells.ask_for_them();
   for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_run(run);
   cells_.add(echoes_);
+  if (!stretches_) return;
+  for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_stretch(run);
+  take_stretches();
+  returns_->end_planes();
+}
+
+void SweepEchoes::take_stretches() {
+  cells_.add(*stretches_);
+  returns_->add(*stretches_);
+  stretches_->n = 0;
+}
+
+/// The same of a stretch.
+void SweepEchoes::end_stretch(std::size_t run) {
+  GroundStretches& s = *stretches_;
+  if (s.bin_now[run] < 0) return;
+  if (s.n >= GroundStretches::kMost) take_stretches();
+  const auto n = static_cast<std::size_t>(s.n++);
+  s.at[n] = static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns +
+            static_cast<std::uint32_t>(run) +
+            (static_cast<std::uint32_t>(s.material_now[run]) << GroundStretches::kMaterialBit);
+  s.from_m[n] = s.from_now_m[run];
+  s.end_m[n] = s.end_now_m[run];
+  s.from_h_m[n] = s.from_now_h_m[run];
+  s.end_h_m[n] = s.end_now_h_m[run];
+  s.light[n] = s.light_now[run];
+  s.height[n] = s.height_now[run];
 }
 
 /// What is on the way in a run ends here.

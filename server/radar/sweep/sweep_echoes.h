@@ -1,9 +1,11 @@
 #pragma once
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/sweep/building_view.h"
+#include "server/radar/sweep/swept_returns.h"
 
 namespace obliq {
 
@@ -21,6 +23,10 @@ class SweepEchoes {
               double far_m = std::numeric_limits<double>::infinity());
 
   void run(FrameStats& stats);
+  /// Of labels: their returns, after run().
+  void write_returns(BinBlock& block) const {
+    if (returns_) returns_->write(block);
+  }
 
   /// Of each plane a float a bin, and the nodes of the view of buildings.
   static std::int64_t bytes(const RadarSettings& settings);
@@ -31,6 +37,8 @@ class SweepEchoes {
   void start_planes();
   void start_plane(int half);
   void end_run(std::size_t run);
+  void end_stretch(std::size_t run);
+  void take_stretches();
 
   const ScenePlan& plan_;
   AzimuthRange range_;
@@ -49,6 +57,9 @@ class SweepEchoes {
   SightProfiles profiles_[2];
   VisibleSegments segments_[2];
   GroundEchoes echoes_;
+  // Of labels; null: none are wanted.
+  std::unique_ptr<GroundStretches> stretches_;
+  std::unique_ptr<SweptReturns> returns_;
 };
 
 }  // namespace obliq

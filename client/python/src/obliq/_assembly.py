@@ -11,7 +11,7 @@ from ._wire import Header
 from .errors import BadStream, FrameAborted
 from .frame import Dwell, Frame
 from .parameters import Pose
-from .planes import NAMES, TYPES, Scaled, plain
+from .planes import MISSED, NAMES, TYPES, Scaled, plain
 
 # Above any radar's limits; what is kept for each azimuth from a frame's beginning is then small.
 MOST_AZIMUTHS = 1 << 14
@@ -147,10 +147,10 @@ class Assembler:
             array = getattr(self.frame, name)
             if array is None:
                 array = self._allocate(name, TYPES.get(name, np.dtype("u1")))
-            if name not in self._fresh:
+            if name not in self._fresh or name in MISSED:
                 for at in unseen:
                     if filled[at] == 0:
-                        array[at] = 0
+                        array[at] = MISSED.get(name, 0)
         self.frame._finish(end, tuple(rows for rows in missed if rows.stop > rows.start))
         return self.frame
 
@@ -167,6 +167,10 @@ class Wedge:
     count: npt.NDArray[np.uint32] | None
     state: npt.NDArray[np.uint8] | None
     video: npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | None
+    material: npt.NDArray[np.uint8] | None
+    building: npt.NDArray[np.float32] | None
+    height: npt.NDArray[np.float32] | None
+    returns: npt.NDArray[np.uint8] | None
 
     def __init__(self, frame: Frame, rows: slice, block: wire.WedgeBlock, header: Header, received_ns: int, offset_ns: int):
         self.frame = frame

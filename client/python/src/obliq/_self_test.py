@@ -50,8 +50,51 @@ def noise(folder: pathlib.Path, obliqd: str | None) -> tuple[bool, str]:
                   f"{math.sqrt(math.log(pairs) / m):.4f}, allowed: below {bound:.4f}")
 
 
-# Labels have their place here.
-TESTS: tuple[Callable[[pathlib.Path, str | None], tuple[bool, str]], ...] = (noise,)
+TOWN = """
+[terrain]
+synthetic = "hills"
+cell_m = 50.0
+[[prisms]]
+per_km2 = 100.0
+[antenna]
+height_m = 900.0
+[radar]
+r_min_m = 1000.0
+r_max_m = 6000.0
+sector_deg = 30.0
+[bins]
+azimuth = 64
+range = 96
+[materials.building]
+model = "constant_gamma"
+gamma_db = {gamma_db}
+"""
+DARK_DB = -200.0
+LABEL_BOUND = 1e-4
+LEAST_POWER = 1e-6  # of the median: -60 dB
+
+
+def labels(folder: pathlib.Path, obliqd: str | None) -> tuple[bool, str]:
+    """The label `building` is the share of the power that goes where the buildings are dark."""
+    poses = [{"latitude_deg": 33.0, "longitude_deg": -99.5, "height_m": 900.0, "bearing_deg": 60.0 * k} for k in range(3)]
+    frames = []
+    for name, gamma_db in (("lit", -5.0), ("dark", DARK_DB)):
+        scene = folder / f"{name}.toml"
+        scene.write_text(TOWN.format(gamma_db=gamma_db))
+        batch(poses, folder / name, local=scene, obliqd=obliqd, planes="power building", progress=False)
+        frames.append([(frame.plane("power"), frame.plane("building")) for frame in Dataset(folder / name)])
+    off, bins, built = 0.0, 0, 0
+    for (power, share), (dark, _) in zip(*frames):
+        seen = power > LEAST_POWER * np.median(power[power > 0])
+        expected = 1 - dark[seen] / power[seen]
+        off = max(off, float(np.abs(share[seen] - expected).max()))
+        bins, built = bins + int(seen.sum()), built + int((expected > 0.5).sum())
+    return off < LABEL_BOUND and built > 0, (
+        f"labels: building differs from 1 - power with dark buildings / power by {off:.1e} at most in {bins} bins, {built} of them "
+        f"more than half buildings; allowed: below {LABEL_BOUND:.0e}")
+
+
+TESTS: tuple[Callable[[pathlib.Path, str | None], tuple[bool, str]], ...] = (noise, labels)
 
 
 def self_test(obliqd: str | None = None) -> bool:

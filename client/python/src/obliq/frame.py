@@ -56,6 +56,11 @@ class Frame:
     iq: complex64, unit `unit`.  power: float64, `power_unit`.  count: uint32, samples.  state: uint8, obliq.STATES.
     video: uint8 or uint16.
 
+    Labels, of what the bin's mean power comes from (PROTOCOL.md, "Labels").  material: uint8, an index of
+    `descriptor.materials`, of the greatest sum of power; 255: none.  building: float32, share of the power that buildings give.
+    height: float32, m above the datum, weighed by power; NaN: no power.  returns: uint8, separate stretches of visible surface
+    in the bin: above 1 is layover.
+
     descriptor: the message, wire.FrameDescriptor. summary: the message, wire.FrameSummary, when the frame is complete.
     frames_skipped: that the server left out before this one. utc: of its FrameBegin. scan: the message ScanPass, of an antenna
     that scans. missed: rows that a scanning antenna did not render. id, split, scene, meta: of its line
@@ -67,6 +72,10 @@ class Frame:
     count: npt.NDArray[np.uint32] | None = None
     state: npt.NDArray[np.uint8] | None = None
     video: npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | None = None
+    material: npt.NDArray[np.uint8] | None = None
+    building: npt.NDArray[np.float32] | None = None
+    height: npt.NDArray[np.float32] | None = None
+    returns: npt.NDArray[np.uint8] | None = None
     id: str | int | None = None
     split: str = ""
     scene: str = ""
@@ -116,7 +125,9 @@ class Frame:
     @overload
     def plane(self, name: Literal["count"]) -> npt.NDArray[np.uint32]: ...
     @overload
-    def plane(self, name: Literal["state"]) -> npt.NDArray[np.uint8]: ...
+    def plane(self, name: Literal["state", "material", "returns"]) -> npt.NDArray[np.uint8]: ...
+    @overload
+    def plane(self, name: Literal["building", "height"]) -> npt.NDArray[np.float32]: ...
     @overload
     def plane(self, name: str) -> npt.NDArray[Any]: ...
 

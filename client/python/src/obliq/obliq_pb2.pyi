@@ -5,6 +5,7 @@ from google.protobuf import message as _message
 from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
 
 AUTO_SPECKLE: SpeckleKind
+BUILDING: PlaneKind
 CF32_LE: IqEncodingKind
 CI16_LE: IqEncodingKind
 CIRCULAR_SCAN: ScanMode
@@ -25,9 +26,11 @@ GROUND: HeightReference
 GROUND_SPECKLE: SpeckleKind
 HAMMING_WINDOW: PulseWindow
 HANN_WINDOW: PulseWindow
+HEIGHT: PlaneKind
 HORIZONTAL: Polarisation
 INDEPENDENT_SPECKLE: SpeckleKind
 IQ: PlaneKind
+MATERIAL: PlaneKind
 NEAREST_PLATES: PlateKind
 NONE_SPECKLE: SpeckleKind
 NONE_WINDOW: PulseWindow
@@ -39,6 +42,7 @@ POLAR: FrustumKind
 POSE_CLAIM: ClaimKind
 POWER: PlaneKind
 RECTANGULAR_PULSE: PulseKind
+RETURNS: PlaneKind
 SECTOR_SCAN: ScanMode
 SETTINGS_CLAIM: ClaimKind
 SPREAD_PLATES: PlateKind

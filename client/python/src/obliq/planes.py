@@ -17,12 +17,17 @@ from .errors import BadStream
 
 # Number on the wire and type of a value, little-endian on any machine. A VIDEO value has as many bytes as its
 # blocks' sizes say.
-NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4}
+NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4, "material": 6, "building": 7, "height": 8, "returns": 9}
 TYPES: dict[str, np.dtype[Any]] = {"iq": np.dtype("<c8"), "power": np.dtype("<f8"),
-                                   "count": np.dtype("<u4"), "state": np.dtype("u1")}
+                                   "count": np.dtype("<u4"), "state": np.dtype("u1"), "material": np.dtype("u1"),
+                                   "building": np.dtype("<f4"), "height": np.dtype("<f4"), "returns": np.dtype("u1")}
 VIDEO_TYPES: dict[int, np.dtype[Any]] = {1: np.dtype("u1"), 2: np.dtype("<u2")}
 NAMES = {number: name for name, number in NUMBERS.items()}
 FOUR = ("iq", "power", "count", "state")
+LABELS = ("material", "building", "height", "returns")
+NO_MATERIAL = 255
+# What bins have that a scanning antenna missed, where it is not 0.
+MISSED = {"material": NO_MATERIAL, "height": np.nan}
 STATES = ("not_sampled", "sampled", "shadow", "no_surface", "no_ground")
 ENCODINGS = {"cf32": 0, "cf32_le": 0, "ci16": 1, "ci16_le": 1}
 COMPRESSIONS: dict[str | None, int] = {None: 0, "none": 0, "zstd": 1}
@@ -140,7 +145,7 @@ def plain(block: wire.WedgeBlock, data: bytes | memoryview) -> npt.NDArray[Any] 
     possible."""
     name = NAMES.get(block.plane)
     if name is None:
-        raise BadStream(f"a data block of plane {block.plane}; allowed: 0 to {max(NAMES)}")
+        raise BadStream(f"a data block of plane {block.plane}; allowed: {', '.join(map(str, sorted(NAMES)))}")
     if block.iq_encoding not in (0, 1) or block.compression not in (0, 1):
         raise BadStream(f"a data block in encoding {block.iq_encoding}, compression {block.compression}; allowed: 0 or 1")
     n, n_range, compression = block.n_azimuth, block.n_range, block.compression

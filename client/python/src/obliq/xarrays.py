@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import BadStream
-from .planes import STATES
+from .planes import NO_MATERIAL, STATES
 
 if TYPE_CHECKING:
     import xarray
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 Variable = tuple["str | tuple[str, ...]", Any, dict[str, Any]]  # dimensions, values, attributes
 
 LONG_NAMES = {"iq": "complex amplitude", "power": "mean power, before speckle", "count": "samples",
+              "material": "of the greatest sum of power; 255: none", "building": "share of the mean power that buildings give",
+              "height": "above the datum, weighed by power", "returns": "separate stretches of visible surface",
               "state": "why a bin has a sample, or none",
               "video": "log video: 0 at and below video_floor_db, the largest value setting_video_span_db above it"}
 
@@ -38,8 +40,12 @@ def variable_attributes(frame: Frame, name: str) -> dict[str, Any]:
     if name == "state":
         attributes["flag_values"] = np.arange(len(STATES), dtype="u1")
         attributes["flag_meanings"] = " ".join(STATES)
+    elif name == "material":
+        names = [material.name for material in frame.descriptor.materials]
+        attributes["flag_values"] = np.append(np.arange(len(names), dtype="u1"), np.uint8(NO_MATERIAL))
+        attributes["flag_meanings"] = " ".join([*("_".join(given.split()) for given in names), "none"])
     else:
-        attributes["units"] = {"iq": frame.unit, "power": frame.power_unit}.get(name, "1")
+        attributes["units"] = {"iq": frame.unit, "power": frame.power_unit, "height": "m"}.get(name, "1")
     return attributes
 
 
