@@ -76,6 +76,7 @@ RadarSettings with_sampling(RadarSettings settings, const SamplingCase& sampling
   settings.frustum = sampling.kind;
   settings.plates = sampling.plates;
   settings.pixel_columns = sampling.columns;
+  settings.planes_per_bin = 0;
   settings.sub_columns = sampling.sub_columns;
   if (sampling.kind == FrustumKind::sweep && settings.speckle == SpeckleKind::geometric)
     settings.speckle = SpeckleKind::ground;

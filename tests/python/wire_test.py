@@ -206,7 +206,7 @@ class Blocks(unittest.TestCase):
 
     def test_sizes_and_codings_that_cannot_be_are_refused(self):
         good = dict(plane=3, n_azimuth=2, n_range=3)
-        for fault in (dict(n_range=4), dict(plane=9), dict(iq_encoding=7), dict(compression=2), dict(plane=1),
+        for fault in (dict(n_range=4), dict(plane=5), dict(plane=11), dict(iq_encoding=7), dict(compression=2), dict(plane=1),
                       dict(n_azimuth=1 << 31, n_range=1 << 31)):
             with self.assertRaises(BadStream, msg=str(fault)):
                 planes.plain(wire.WedgeBlock(**{**good, **fault}), bytes(6))
