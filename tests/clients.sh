@@ -177,13 +177,15 @@ engine() {
   "$work/env-all/bin/python" -m obliq.batch "$work/scene/poses.jsonl" --out "$work/set-one" --server "$address" --shard-size 16 || return 1
   "$python" "$example" "$work/scene/poses.jsonl" "$out" "$address" ${3:-} &
   local run=$! victim=
-  for _ in $(seq 600); do
-    compgen -G "$out/part-*" >/dev/null && break
+  # A worker, once there is a part: who has another one in hand.
+  for _ in $(seq 1200); do
+    if compgen -G "$out/part-*" >/dev/null; then
+      victim=$(compgen -G "$out/.part-*" | head -1 | sed 's/.*\.\([0-9]*\)\.[0-9a-f]*$/\1/')
+      [ -z "$victim" ] || break
+    fi
     kill -0 "$run" 2>/dev/null || break
-    sleep 0.1
+    sleep 0.05
   done
-  # A worker: who has a part in hand.
-  victim=$(compgen -G "$out/.part-*" | head -1 | sed 's/.*\.\([0-9]*\)\.[0-9a-f]*$/\1/')
   if [ -n "$victim" ] && kill -KILL "$victim" 2>/dev/null; then echo "worker $victim was killed"; else echo "no worker to kill"; fi
   if ! wait "$run"; then
     echo "once more"
