@@ -103,6 +103,7 @@ struct obliq_client {
 namespace {
 
 constexpr std::int64_t kNoTime = std::numeric_limits<std::int64_t>::min();
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// What a caller may leave out.
 std::string text_of(const char* text) { return text != nullptr ? text : ""; }
@@ -140,6 +141,12 @@ void write(const obliq_pose& from, wire::Pose& to) {
   if (!std::isnan(from.valid_s)) to.set_valid_s(from.valid_s);
   if (from.sim_time_ns != kNoTime) to.set_sim_time_ns(from.sim_time_ns);
   if (from.pose_id != 0) to.set_pose_id(from.pose_id);
+  if (!std::isnan(from.heading_deg)) to.set_heading_deg(from.heading_deg);
+  if (!std::isnan(from.velocity_north_m_s)) to.set_velocity_north_m_s(from.velocity_north_m_s);
+  if (!std::isnan(from.velocity_east_m_s)) to.set_velocity_east_m_s(from.velocity_east_m_s);
+  if (!std::isnan(from.velocity_up_m_s)) to.set_velocity_up_m_s(from.velocity_up_m_s);
+  if (!std::isnan(from.roll_deg)) to.set_roll_deg(from.roll_deg);
+  if (!std::isnan(from.pitch_deg)) to.set_pitch_deg(from.pitch_deg);
 }
 
 obliq_pose read(const wire::Pose& from) {
@@ -150,7 +157,13 @@ obliq_pose read(const wire::Pose& from) {
           from.tilt_deg(),
           from.valid_s(),
           from.has_sim_time_ns() ? from.sim_time_ns() : kNoTime,
-          from.pose_id()};
+          from.pose_id(),
+          from.has_heading_deg() ? from.heading_deg() : from.bearing_deg(),  // of a server of version 1.1
+          from.has_velocity_north_m_s() ? from.velocity_north_m_s() : kNone,
+          from.has_velocity_east_m_s() ? from.velocity_east_m_s() : kNone,
+          from.has_velocity_up_m_s() ? from.velocity_up_m_s() : kNone,
+          from.roll_deg(),
+          from.pitch_deg()};
 }
 
 Status read_planes(unsigned planes, google::protobuf::RepeatedField<int>& list) {
@@ -255,8 +268,7 @@ int obliq_release(obliq_client* client, const char* radar) {
 }
 
 void obliq_no_pose(obliq_pose* pose) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  *pose = {kNone, kNone, kNone, kNone, kNone, kNone, kNoTime, 0};
+  *pose = {kNone, kNone, kNone, kNone, kNone, kNone, kNoTime, 0, kNone, kNone, kNone, kNone, kNone, kNone};
 }
 
 int obliq_move(obliq_client* client, const char* radar, const obliq_pose* pose) {

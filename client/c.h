@@ -49,8 +49,14 @@ typedef struct obliq_pose {
   double bearing_deg;
   double tilt_deg;
   double valid_s;
-  int64_t sim_time_ns; /* INT64_MIN: none */
-  uint64_t pose_id;    /* 0: none */
+  int64_t sim_time_ns;       /* INT64_MIN: none */
+  uint64_t pose_id;          /* 0: none */
+  double heading_deg;        /* of the platform's nose */
+  double velocity_north_m_s; /* of the antenna over the ground; NaN of a frame: not known */
+  double velocity_east_m_s;
+  double velocity_up_m_s;
+  double roll_deg;  /* of the platform, right side down */
+  double pitch_deg; /* nose up */
 } obliq_pose;
 
 /* A whole frame. Planes are [n_azimuth][n_range]; those not asked for are NULL. Everything it points to lives

@@ -46,7 +46,8 @@ namespace Obliq
     [Serializable, DataContract]
     public sealed class Pose
     {
-        [DataMember] public double latitude_deg, longitude_deg, height_m, bearing_deg, tilt_deg;
+        [DataMember] public double latitude_deg, longitude_deg, height_m, bearing_deg, tilt_deg, heading_deg, roll_deg, pitch_deg, time_rate;
+        [DataMember] public double velocity_north_m_s, velocity_east_m_s, velocity_up_m_s; ///< of the antenna; 0 also where it is not known
         [DataMember] public string height_reference, pose_id, sim_time_ns;
     }
 

@@ -28,23 +28,35 @@ std::string with_unit(std::string text, std::string_view unit) {
   return text;
 }
 
-/// Of lengths (NIST SP 811, appendix B): the international foot and the nautical mile are these numbers
-/// exactly.
-struct LengthUnit {
+/// Of lengths and speeds (NIST SP 811, appendix B): the international foot, the nautical mile and the knot
+/// are these numbers exactly.
+struct NamedUnit {
+  std::string_view of;  ///< the unit of the keys that may have it
   std::string_view name;
-  double metres;
+  double times;
+  double over = 1;
 };
-constexpr LengthUnit kLengths[] = {{"m", 1}, {"km", 1000}, {"ft", 0.3048}, {"nmi", 1852}};
+constexpr NamedUnit kUnits[] = {
+    {"m", "m", 1},     {"m", "km", 1000},         {"m", "ft", 0.3048},        {"m", "nmi", 1852},
+    {"m/s", "m/s", 1}, {"m/s", "kt", 1852, 3600}, {"m/s", "km/h", 1000, 3600}};
 
-/// A number with its unit behind it, "9842 ft" or "9842ft", of a key in metres.
-std::optional<double> metres_of(std::string_view text) {
+/// "m, km, ft, nmi"; empty: texts are no numbers there.
+std::string units_of(const Key& key) {
+  std::string names;
+  for (const NamedUnit& unit : kUnits)
+    if (unit.of == key.unit) names.append(names.empty() ? "" : ", ").append(unit.name);
+  return names;
+}
+
+/// A number with its unit behind it, "9842 ft" or "9842ft", in the key's own.
+std::optional<double> number_with_unit(const Key& key, std::string_view text) {
   double number = 0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc()) return std::nullopt;
   std::string_view name = text.substr(static_cast<std::size_t>(rest - text.data()));
   while (name.starts_with(' ')) name.remove_prefix(1);
-  for (const LengthUnit& unit : kLengths)
-    if (unit.name == name) return number * unit.metres;
+  for (const NamedUnit& unit : kUnits)
+    if (unit.of == key.unit && unit.name == name) return number * unit.times / unit.over;
   return std::nullopt;
 }
 
@@ -69,7 +81,7 @@ std::optional<T> convert(const Key& key, const Value& value) {
     if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
     if (const auto* whole = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*whole);
     const auto* text = std::get_if<std::string>(&value);
-    return text != nullptr && key.unit == "m" ? metres_of(*text) : std::nullopt;
+    return text != nullptr ? number_with_unit(key, *text) : std::nullopt;
   } else {
     if (const auto* whole = std::get_if<std::int64_t>(&value))
       return std::in_range<T>(*whole) ? std::optional<T>(static_cast<T>(*whole)) : std::nullopt;
@@ -115,9 +127,9 @@ std::optional<FieldError> store(const Key& key, const Slot& slot, const Value& v
       [&](auto* place) -> std::optional<FieldError> {
         const auto converted = convert<std::remove_pointer_t<decltype(place)>>(key, value);
         if (!converted) {
-          const bool length = key.unit == "m" && std::holds_alternative<std::string>(value);
+          const std::string units = std::holds_alternative<std::string>(value) ? units_of(key) : "";
           return FieldError{std::string(key.name), toml_text(value),
-                            allowed_text(key, slot) + (length ? "; or with a unit: m, km, ft, nmi" : "")};
+                            allowed_text(key, slot) + (units.empty() ? "" : "; or with a unit: " + units)};
         }
         *place = *converted;
         return std::nullopt;
@@ -142,6 +154,11 @@ std::optional<FieldError> check(const Key& key, const Slot& slot) {
       slot);
   if (good) return std::nullopt;
   return FieldError{std::string(key.name), toml_text(load(key, slot)), allowed_text(key, slot)};
+}
+
+bool is_left_open(const Slot& slot) {
+  const auto* place = std::get_if<std::optional<double>*>(&slot);
+  return place != nullptr && !**place;
 }
 
 Value load(const Key& key, const Slot& slot) {

@@ -77,12 +77,15 @@ struct Key {
 };
 
 /// Puts a value in its place if its type fits; otherwise changes nothing and returns what would fit. Integers
-/// serve as real numbers; lengths may be texts with a unit: "9842 ft", "80nmi", "37km". Limits are left to
-/// check().
+/// serve as real numbers; lengths and speeds may be texts with a unit: "9842 ft", "80nmi", "250kt". Limits
+/// are left to check().
 std::optional<FieldError> store(const Key& key, const Slot& slot, const Value& value);
 
 /// Compares what is in place with the limits.
 std::optional<FieldError> check(const Key& key, const Slot& slot);
+
+/// It is "auto".
+bool is_left_open(const Slot& slot);
 
 /// What is in place.
 Value load(const Key& key, const Slot& slot);

@@ -183,7 +183,8 @@ std::string parameters_markdown() {
       "`[[radar]]` tables with a `name` are several radars, each\nwith sections of its own "
       "(`[radar.antenna]`) that override the common `[antenna]`, `[frustum]`, `[bins]` and `[scan]`. "
       "An\nantenna without a position stands at the centre of the dem, or at 33 N 99.5 W over synthetic "
-      "ground.\nA length may be a text with its unit, m, km, ft or nmi: `height_m = \"9842 ft\"`, `--set "
+      "ground.\nA length may be a text with its unit, m, km, ft or nmi, a speed with m/s, kt or km/h: "
+      "`height_m = \"9842 ft\"`, `--set "
       "radar.r_max_m=80nmi`.\n\n| key | type | default | allowed | change | message field | Modbus | meaning "
       "|\n|---|---|---|---|---|---|---|---|\n";
   for (const KeyText& key : all_keys()) {

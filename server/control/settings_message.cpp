@@ -98,10 +98,11 @@ std::vector<FieldError> merge_fields(WireMessage which, const Message& message, 
 }
 
 void write_fields(WireMessage which, RadarConfig config, Message& message) {
-  for (const Parameter& parameter : parameters())
-    if (parameter.message == which)
-      write_field(parameter, field_of(parameter, message), load(parameter.key, parameter.slot(config)),
-                  message);
+  for (const Parameter& parameter : parameters()) {
+    const Slot slot = parameter.slot(config);
+    if (parameter.message == which && !is_left_open(slot))
+      write_field(parameter, field_of(parameter, message), load(parameter.key, slot), message);
+  }
 }
 
 }  // namespace
@@ -126,9 +127,19 @@ std::vector<FieldError> merge_message(const wire::Pose& message, PoseSettings& p
   RadarConfig config{"", {}, pose};
   // A number alone is meant to be taken.
   if (message.has_tilt_deg()) config.pose.tilt_auto = false;
+  const auto ends = [&](const Parameter& p) {
+    return ends_velocity(p) && message.GetReflection()->HasField(message, &field_of(p, message));
+  };
+  if (std::ranges::any_of(parameters(), ends)) config.pose.clear_velocity();
   std::vector<FieldError> errors = merge_fields(WireMessage::pose, message, config);
   pose = config.pose;
   return errors;
+}
+
+bool ends_velocity(const Parameter& parameter) {
+  constexpr std::string_view kPlaceAndTime[] = {"latitude_deg", "longitude_deg", "height_m", "sim_time_ns"};
+  return parameter.message == WireMessage::pose &&
+         std::ranges::find(kPlaceAndTime, parameter.wire_field) != std::end(kPlaceAndTime);
 }
 
 void write_message(const RadarSettings& settings, wire::RadarSettings& message) {
@@ -142,6 +153,10 @@ void write_request(const RadarSettings& settings, wire::RadarSettings& message) 
 
 void write_message(const PoseSettings& pose, wire::Pose& message) {
   write_fields(WireMessage::pose, {"", {}, pose}, message);
+  if (!pose.has_velocity()) return;
+  message.set_velocity_north_m_s(pose.velocity_north_m_s.value_or(0));
+  message.set_velocity_east_m_s(pose.velocity_east_m_s.value_or(0));
+  message.set_velocity_up_m_s(pose.velocity_up_m_s.value_or(0));
 }
 
 bool is_ideal(const wire::RadarSettings& message) {

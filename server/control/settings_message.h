@@ -14,19 +14,25 @@ class Pose;
 
 namespace obliq {
 
-/// Takes over the fields that the message carries; absent ones keep their value. Returns what does not fit
-/// its field (an enumerator that does not exist); limits are validate()'s. Never throws on what a peer may
-/// send.
+struct Parameter;
+
+/// Takes over the fields that the message carries; absent ones keep their value, but a place or a time
+/// without a velocity ends the one that was given. Returns what does not fit its field (an enumerator that
+/// does not exist); limits are validate()'s. Never throws on what a peer may send.
 [[nodiscard]] std::vector<FieldError> merge_message(const wire::RadarSettings& message,
                                                     RadarSettings& settings);
 [[nodiscard]] std::vector<FieldError> merge_message(const wire::Pose& message, PoseSettings& pose);
+
+/// A velocity is of the pose that it stands in: whether this parameter says of another one, of its place or
+/// time.
+bool ends_velocity(const Parameter& parameter);
 
 /// As merge_message, of a request for a change: planes follow the azimuth bins where planes_per_bin is above
 /// 0 and the request names no pixel_columns (server/control/planes_per_bin.h).
 [[nodiscard]] std::vector<FieldError> merge_request(const wire::RadarSettings& message,
                                                     RadarSettings& settings);
 
-/// Writes every field.
+/// Writes every field, but for those that are left open: a velocity that was not given.
 void write_message(const RadarSettings& settings, wire::RadarSettings& message);
 void write_message(const PoseSettings& pose, wire::Pose& message);
 /// Every field that merge_request needs to arrive at the same: pixel_columns would end planes_per_bin.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+#include <iterator>
 
 #include "terrain/base/units.h"
 #include "terrain/frames.h"
@@ -23,6 +26,27 @@ double arc(double a_deg, double b_deg, double u) {
   return turn_deg == 0 ? a_deg : std::remainder(a_deg + u * turn_deg, 360.0);
 }
 
+/// Of the antenna on the way from a to b, along the north, east and up of `at`; none where it is not one
+/// flight: heights of two kinds, or faster than anything flies.
+void take_slope(const PoseSettings& a, const PoseSettings& b, PoseSettings& at) {
+  const double gap_s = static_cast<double>(b.sim_time_ns - a.sim_time_ns) * 1e-9;
+  if (a.height_reference != b.height_reference || !(gap_s > 0)) return;
+  const bool over_ground = a.height_reference == HeightReference::ground;
+  const WorldFrame frame(at.latitude_deg * kDegree_rad, at.longitude_deg * kDegree_rad, 1);
+  glm::dvec3 way_m = frame.world_from_geodetic(place_of(b, over_ground ? 0 : b.height_m)).m -
+                     frame.world_from_geodetic(place_of(a, over_ground ? 0 : a.height_m)).m;
+  if (over_ground) way_m.y = b.height_m - a.height_m;
+  const glm::dvec3 velocity_m_s = way_m / gap_s;
+  if (!glm::all(glm::lessThanEqual(glm::abs(velocity_m_s), glm::dvec3(kMostSpeed_m_s)))) return;
+  at.velocity_east_m_s = velocity_m_s.x;
+  at.velocity_up_m_s = velocity_m_s.y;
+  at.velocity_north_m_s = velocity_m_s.z;
+}
+
+std::optional<double> part(const std::optional<double>& a, const std::optional<double>& b, double u) {
+  return a.value_or(0) + u * (b.value_or(0) - a.value_or(0));
+}
+
 bool same_place(const PoseSettings& a, const PoseSettings& b) {
   return a.latitude_deg == b.latitude_deg && a.longitude_deg == b.longitude_deg && a.height_m == b.height_m;
 }
@@ -36,6 +60,15 @@ PoseSettings between(const PoseSettings& a, const PoseSettings& b, double u) {
   p.bearing_deg = arc(a.bearing_deg, b.bearing_deg, u);
   p.heading_deg = arc(a.heading_deg, b.heading_deg, u);
   p.tilt_deg = a.tilt_deg + u * (b.tilt_deg - a.tilt_deg);
+  p.roll_deg = a.roll_deg + u * (b.roll_deg - a.roll_deg);
+  p.pitch_deg = a.pitch_deg + u * (b.pitch_deg - a.pitch_deg);
+  if (a.has_velocity() && b.has_velocity()) {
+    p.velocity_north_m_s = part(a.velocity_north_m_s, b.velocity_north_m_s, u);
+    p.velocity_east_m_s = part(a.velocity_east_m_s, b.velocity_east_m_s, u);
+    p.velocity_up_m_s = part(a.velocity_up_m_s, b.velocity_up_m_s, u);
+  } else {
+    p.clear_velocity();
+  }
   if (a.height_reference != b.height_reference || same_place(a, b)) return p;
   const bool over_ground = a.height_reference == HeightReference::ground;
   // Straight in the tangent frame of a. The scene's world frame bends space by its lift: over the 600 m of
@@ -161,20 +194,21 @@ PoseAt PoseTimeLine::at(std::int64_t now_ns) const {
   result.stale = newest.received_ns != 0 && newest.pose.valid_s > 0 && age_s > newest.pose.valid_s;
   if (poses_.size() < 2) return result;
   const std::int64_t shown_ns = ticks(now_ns) + shift_ns_;
-  if (shown_ns >= newest.pose.sim_time_ns) return result;
   const auto after =
       std::ranges::upper_bound(poses_, shown_ns, {}, [](const Sent& sent) { return sent.pose.sim_time_ns; });
-  result.received_ns = after->received_ns;
+  // The two poses that tell the velocity; before the first and past the newest the antenna waits.
+  const auto to = std::clamp(after, std::next(poses_.begin()), std::prev(poses_.end()));
+  const PoseSettings& a = std::prev(to)->pose;
+  const PoseSettings& b = to->pose;
   if (after == poses_.begin()) {
-    result.pose = after->pose;
-    return result;
+    result = {a, std::prev(to)->received_ns, result.stale};
+  } else if (after != poses_.end()) {
+    const double u =
+        static_cast<double>(shown_ns - a.sim_time_ns) / static_cast<double>(b.sim_time_ns - a.sim_time_ns);
+    result = {between(a, b, u), to->received_ns, result.stale};
+    result.pose.sim_time_ns = shown_ns;
   }
-  const PoseSettings& a = std::prev(after)->pose;
-  const PoseSettings& b = after->pose;
-  const double u =
-      static_cast<double>(shown_ns - a.sim_time_ns) / static_cast<double>(b.sim_time_ns - a.sim_time_ns);
-  result.pose = between(a, b, u);
-  result.pose.sim_time_ns = shown_ns;
+  if (!result.pose.has_velocity()) take_slope(a, b, result.pose);
   return result;
 }
 

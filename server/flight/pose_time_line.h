@@ -29,6 +29,9 @@ struct PoseAt {
 /// that are not joined up: the later one applies when it arrives. With another rate a new window begins, and
 /// the shown time is right at once.
 ///
+/// Where the poses give no velocity, it is the slope between the two poses around the shown time by their own
+/// sim times; past the newest that of the last two; of one pose alone none.
+///
 /// Late poses, with a sim time before the newest, are counted and dropped; after kMostLate of them in a row
 /// the clock has been set back, and a new time line begins. Safe from any thread; a few microseconds a call.
 class PoseTimeLine {
@@ -85,9 +88,9 @@ class PoseTimeLine {
   std::uint64_t late_ = 0;
 };
 
-/// The pose a share u in [0, 1] of the way from a to b; at the ends exactly a and b. Positions on the
-/// straight line in space (with heights above ground: over the straight line, height linear); of two poses
-/// with different height references a until the end.
+/// The pose a share u in [0, 1] of the way from a to b; at the ends exactly a and b. A velocity where both
+/// have one. Positions on the straight line in space (with heights above ground: over the straight line,
+/// height linear); of two poses with different height references a until the end.
 PoseSettings between(const PoseSettings& a, const PoseSettings& b, double u);
 
 }  // namespace obliq

@@ -48,9 +48,18 @@ std::optional<Value> number_of_float(const Parameter& parameter, double value) {
   return number(parameter, std::abs(value - held) <= kStep * std::abs(held) ? held : value);
 }
 
+/// What stands in the registers of a number that is left open, far beyond its limits.
+constexpr std::int32_t kLeftOpen = std::numeric_limits<std::int32_t>::min();
+constexpr auto kAuto = "auto";
+
+bool may_be_open(const Parameter& parameter) {
+  RadarConfig any;
+  return std::holds_alternative<std::optional<double>*>(parameter.slot(any));
+}
+
 bool is_real(const Parameter& parameter) {
   RadarConfig any;
-  return std::holds_alternative<double*>(parameter.slot(any));
+  return std::holds_alternative<double*>(parameter.slot(any)) || may_be_open(parameter);
 }
 
 bool is_yes_or_no(const Parameter& parameter) {
@@ -59,6 +68,7 @@ bool is_yes_or_no(const Parameter& parameter) {
 }
 
 std::optional<Value> decode_integer(const Parameter& parameter, std::int64_t count) {
+  if (count == kLeftOpen && may_be_open(parameter)) return std::string(kAuto);
   const auto index = static_cast<std::uint64_t>(count);
   if (!parameter.key.choices.empty()) {
     if (index >= parameter.key.choices.size() || parameter.key.choices[index].retired) return std::nullopt;
@@ -107,6 +117,8 @@ std::vector<std::uint16_t> encode_number(double value, ModbusWords words, double
 std::vector<std::uint16_t> encode(const Parameter& parameter, const RadarConfig& config) {
   const Value value = value_of(parameter, config);
   const ModbusColumn& column = parameter.modbus;
+  if (value == Value(kAuto) && may_be_open(parameter))
+    return split(static_cast<std::uint32_t>(kLeftOpen), width(column.words));
   if (const auto* name = std::get_if<std::string>(&value)) {
     const auto at = std::ranges::find(parameter.key.choices, *name, &Choice::name);
     return {static_cast<std::uint16_t>(at - parameter.key.choices.begin())};

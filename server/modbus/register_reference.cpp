@@ -132,7 +132,7 @@ constexpr auto kIntroduction =
     "(`controlled`). "
     "So a host may fly the radar while the console turns its knobs; `antenna.bearing_deg` then counts from "
     "the\nplatform's heading. Transmit, freeze, clear_faults, reset and exercise_freeze belong to the "
-    "operator and always work.\n\nA "
+    "operator and always work.\nWhere \"auto\" is allowed it is the count -2147483648.\n\nA "
     "*frozen* "
     "radar goes on sending frames with the pose and settings of the moment when it was frozen. Settings from "
     "clients\nand from apply are checked and kept meanwhile, and take effect when freeze ends. With "

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/control/planes_per_bin.h"
+#include "server/control/settings_message.h"
 #include "server/net/aim.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
@@ -109,6 +110,8 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   NamedAngles named;
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;
+  const auto ends = [](const PanelChange::Setting& s) { return ends_velocity(*s.parameter); };
+  if (std::ranges::any_of(change.settings, ends)) config.pose.clear_velocity();
   for (const auto& [parameter, value] : change.settings) {
     if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
     (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;

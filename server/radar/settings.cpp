@@ -76,6 +76,11 @@ bool same_antenna(PoseSettings a, const PoseSettings& b) {
   a.valid_s = b.valid_s;
   a.heading_deg = b.heading_deg;
   a.time_rate = b.time_rate;
+  a.velocity_north_m_s = b.velocity_north_m_s;
+  a.velocity_east_m_s = b.velocity_east_m_s;
+  a.velocity_up_m_s = b.velocity_up_m_s;
+  a.roll_deg = b.roll_deg;
+  a.pitch_deg = b.pitch_deg;
   return a == b;
 }
 

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,9 @@ bool has_receiver(const RadarSettings& settings);
 /// are: then range normalisation is the receiver's last step.
 bool normalises_samples(const RadarSettings& settings);
 
+/// Of each part of a velocity: what is faster is no flight. The escape velocity is 11.2 km/s.
+constexpr double kMostSpeed_m_s = 20e3;
+
 /// Where the antenna is and where its sector's centre points, in the operator's units.
 struct PoseSettings {
   double latitude_deg = 0;
@@ -116,11 +120,22 @@ struct PoseSettings {
   bool tilt_auto = false;  ///< instead: towards level ground in the middle of the swath
   double heading_deg = 0;  ///< of the platform; the sector's centre is held against it, frames are not
   double time_rate = 1;    ///< seconds of the controller's clock in a second
+  /// Of the antenna over the ground, along its own north, east and up. Empty: not given. has_velocity() is of
+  /// all three; where one is given, those that are not are 0.
+  std::optional<double> velocity_north_m_s;
+  std::optional<double> velocity_east_m_s;
+  std::optional<double> velocity_up_m_s;
+  double roll_deg = 0;   ///< of the platform, right side down positive
+  double pitch_deg = 0;  ///< of the platform, nose up positive
+
+  bool has_velocity() const { return velocity_north_m_s || velocity_east_m_s || velocity_up_m_s; }
+  void clear_velocity() { velocity_north_m_s = velocity_east_m_s = velocity_up_m_s = std::nullopt; }
 
   bool operator==(const PoseSettings&) const = default;
 };
 
-/// The same place, height and bearing, whenever and however long it is valid.
+/// The same place, height and bearing, whenever, however long it is valid and however its platform moves: the
+/// antenna is stabilised.
 bool same_antenna(PoseSettings a, const PoseSettings& b);
 
 /// A validated, published set of settings. Never changes; a change is a new snapshot with a new version.

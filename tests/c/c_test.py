@@ -38,7 +38,8 @@ D, I, U64 = ctypes.c_double, ctypes.c_int, ctypes.c_uint64
 
 class Pose(ctypes.Structure):
     _fields_ = [(name, D) for name in ("latitude_deg", "longitude_deg", "height_m", "bearing_deg", "tilt_deg", "valid_s")] + [
-        ("sim_time_ns", ctypes.c_int64), ("pose_id", U64)]
+        ("sim_time_ns", ctypes.c_int64), ("pose_id", U64)] + [
+        (name, D) for name in ("heading_deg", "velocity_north_m_s", "velocity_east_m_s", "velocity_up_m_s", "roll_deg", "pitch_deg")]
 
 
 class Frame(ctypes.Structure):

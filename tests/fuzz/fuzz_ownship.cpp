@@ -9,8 +9,12 @@ namespace obliq {
 namespace {
 
 void check(const OwnshipPose& pose) {
-  const bool fits = std::abs(pose.latitude_deg) <= 90 && std::abs(pose.longitude_deg) <= 180 &&
-                    std::isfinite(pose.height_m) && std::abs(pose.heading_deg) <= 360;
+  bool fits = std::abs(pose.latitude_deg) <= 90 && std::abs(pose.longitude_deg) <= 180 &&
+              std::isfinite(pose.height_m) && std::abs(pose.heading_deg) <= 360;
+  if (pose.velocity_m_s)
+    for (const double part : *pose.velocity_m_s) fits &= std::abs(part) <= 20001;  // 20 km/s, and rounding
+  if (pose.attitude)
+    fits &= std::abs(pose.attitude->roll_deg) <= 60 && std::abs(pose.attitude->pitch_deg) <= 60;
   if (!fits) fuzz::broken("a pose outside its limits");
 }
 

@@ -277,6 +277,11 @@ void write_ownship() {
                      number_bytes(std::int64_t{1'000'000'000}, false);
   for (const double value : {33.0, -99.5, 1500.0, 60.0}) pose += number_bytes(value, false);
   write_seed("ownship", "pose", pose + number_bytes(std::uint64_t{7}, false));
+  std::string motion = pose + number_bytes(std::uint64_t{7}, false);
+  motion[4] = 2;
+  motion[6] = 3;
+  for (const double value : {200.0, -10.0, 1.5, 20.0, -5.0}) motion += number_bytes(value, false);
+  write_seed("ownship", "motion", motion);
   // Entity State, IEEE 1278.1-2012, 7.2.2: entity 1:2:3 near 33 N 99.5 W, flying at 200 m/s.
   std::string pdu{7, 1, 1, 1, 0, 0, 0, 0, 0, static_cast<char>(144), 0, 0, 0, 1, 0, 2, 0, 3};
   pdu.resize(36, '\0');

@@ -19,7 +19,13 @@ def pose(latitude=33.0, longitude=-99.5, height=2500.0, heading=0.0, sim_time_ns
     return struct.pack("<4sHHqddddQ", magic, 1, 0, sim_time_ns, latitude, longitude, height, heading, number)
 
 
-def entity(place_m=(EARTH_M, 0.0, 1000.0), velocity=(0, 0, 0), acceleration=(0, 0, 0), heading=0.0, reckoning=2, number=3, kind=1,
+def motion(north=0.0, east=0.0, up=0.0, roll=0.0, pitch=0.0):
+    data = bytearray(pose(sim_time_ns=time.time_ns()) + struct.pack("<5d", north, east, up, roll, pitch))
+    struct.pack_into("<HH", data, 4, 2, 3)
+    return bytes(data)
+
+
+def entity(place_m=(EARTH_M, 0.0, 1000.0), velocity=(0, 0, 0), acceleration=(0, 0, 0), heading=0.0, reckoning=2, number=3, kind=1, roll=0.0,
            size=ENTITY_BYTES,
            length=None):
     """An Entity State PDU (IEEE 1278.1-2012, 7.2.2)."""
@@ -27,7 +33,7 @@ def entity(place_m=(EARTH_M, 0.0, 1000.0), velocity=(0, 0, 0), acceleration=(0, 
     struct.pack_into(">BBBBIHH", data, 0, 7, 1, kind, 1, 0, size if length is None else length, 0)
     struct.pack_into(">HHH", data, 12, 1, 2, number)
     struct.pack_into(">fff", data, 36, *velocity)
-    struct.pack_into(">dddff", data, 48, *place_m, heading, 0.0)
+    struct.pack_into(">dddfff", data, 48, *place_m, heading, 0.0, roll)
     data[88] = reckoning
     struct.pack_into(">fff", data, 104, *acceleration)
     return bytes(data[:size])
@@ -67,16 +73,18 @@ def bad_poses(place):
     for value in ODD:
         for field in ("latitude", "longitude", "height", "heading"):
             flight.send(pose(**{field: value}, sim_time_ns=time.time_ns()))
+        for field in ("north", "east", "up", "roll", "pitch"):
+            flight.send(motion(**{field: value}))
     for sim_time_ns in (0, -1, (1 << 63) - 1, -(1 << 63), 4 * 10**18, 4 * 10**18 + 1):
         flight.send(pose(sim_time_ns=sim_time_ns))
-    for size in (0, 1, 3, 55, 57, 2048, 65507):
+    for size in (0, 1, 3, 55, 57, 95, 96, 97, 2048, 65507):
         flight.send((pose() * 1200)[:size])
     for k in range(1500):  # another reason each time
         flight.send((pose(magic=b"NONE"), pose()[:10], pose(latitude=math.nan))[k % 3])
     until = place.until(0.5)
     while time.monotonic() < until:
-        data = bytearray(pose(sim_time_ns=time.time_ns()))
-        data[draw.randrange(POSE_BYTES)] = draw.randrange(256)
+        data = bytearray(draw.choice((pose(sim_time_ns=time.time_ns()), motion())))
+        data[draw.randrange(len(data))] = draw.randrange(256)
         flight.send(bytes(data) if flight.sent % 2 else draw.randbytes(POSE_BYTES))
     return flight.end()
 
@@ -110,7 +118,7 @@ def bad_entities(place):
                    {"place_m": (5e-324, 0, 0)},
                    {"velocity": (nan,) * 3}, {"velocity": (inf, 0, 0)}, {"velocity": (19999, 0, 0)},
                    {"acceleration": (19999, 0, 0), "reckoning": 4},
-                   {"heading": nan}, {"heading": 3e38}, {"size": 10}, {"size": 143}, {"length": 65535}, {"length": 0},
+                   {"heading": nan}, {"heading": 3e38}, {"roll": nan}, {"roll": -3e38}, {"roll": 3.0, "reckoning": 8}, {"size": 10}, {"size": 143}, {"length": 65535}, {"length": 0},
                    {"kind": 2}, {"number": 9},
                    {"reckoning": 255}):
         flight.send(entity(**fields))

@@ -81,12 +81,27 @@ TEST_F(SetCommand, SeveralKeysChangeAtOnceAndTheOtherRadarStays) {
   EXPECT_EQ(info("main").settings_version(), 1u);
 }
 
-TEST_F(SetCommand, LengthsMayNameTheirUnit) {
+TEST_F(SetCommand, LengthsAndSpeedsMayNameTheirUnit) {
   ASSERT_EQ(obliq({"set", "--radar", "nose", "radar.r_max_m=5nmi", "radar.r_min_m=0.5 km"}).code, 0);
   EXPECT_EQ(info().settings().r_max_m(), 9260);
   EXPECT_EQ(info().settings().r_min_m(), 500);
   ASSERT_EQ(obliq({"pose", "--radar", "nose", "--height", "9842ft"}).code, 0);
   EXPECT_DOUBLE_EQ(info().pose().height_m(), 9842 * 0.3048);
+  ASSERT_EQ(obliq({"pose", "--radar", "nose", "--set", "antenna.velocity_north_m_s=100kt", "--set",
+                   "antenna.velocity_up_m_s=-36 km/h", "--roll", "12"})
+                .code,
+            0);
+  EXPECT_DOUBLE_EQ(info().pose().velocity_north_m_s(), 100 * 1852.0 / 3600);
+  EXPECT_DOUBLE_EQ(info().pose().velocity_up_m_s(), -10);
+  EXPECT_EQ(info().pose().roll_deg(), 12);
+  ASSERT_EQ(obliq({"pose", "--radar", "nose", "--set", "antenna.velocity_north_m_s=auto"}).code, 0);
+  EXPECT_FALSE(info().pose().has_velocity_up_m_s());
+  EXPECT_EQ(info().pose().roll_deg(), 12);
+  const Outcome knots = obliq({"pose", "--radar", "nose", "--set", "antenna.velocity_east_m_s=5nmi"});
+  EXPECT_NE(knots.err.find("antenna.velocity_east_m_s: found 5nmi; allowed: \"auto\" or a number -20000 to "
+                           "20000 m/s; or with a unit: m/s, kt, km/h"),
+            std::string::npos)
+      << knots.err;
   expect_refused({"radar.r_max_m=5yd"},
                  "radar.r_max_m: found 5yd; allowed: number above 0, at most 500000 m; "
                  "or with a unit: m, km, ft, nmi");

@@ -298,6 +298,14 @@ class Operator(unittest.TestCase):
         self.assertIn("CRS UP  R", words)
         self.assertRegex(words, r"CRS 13\d\.\d° T  1\d\d kt|CRS 13\d\.\d° T  2\d\d kt")
 
+    def test_a_velocity_that_a_pose_gives_is_course_and_speed_at_once(self):
+        self.show("a=nose&up=north")
+        with self.server.radar("nose").control() as control:
+            control.set_pose(velocity_north_m_s=-30.0, velocity_east_m_s=40.0)
+            self.page.await_script("obliq.panes[0].heading.speed_mps === 50", "the speed of the pose")
+            self.assertAlmostEqual(self.page.script("return obliq.panes[0].heading.course_deg"), 126.8699, delta=1e-3)
+            control.set_pose(latitude_deg=33.0, longitude_deg=-99.5)
+
     def test_a_b_scope_has_bearings_across_and_ranges_upwards(self):
         self.show("a=nose&bscope=1")
         self.page.await_frame(2)

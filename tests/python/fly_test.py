@@ -47,15 +47,19 @@ def order(kind, receiver=(1, 2, 3), exercise=7):
     return head + bytes(size - len(head))
 
 
-def entity_state(latitude, longitude, height, heading, pitch=0.0, speed=0.0, entity=(1, 2, 3), algorithm=2, exercise=7, appearance=0):
+def entity_state(latitude, longitude, height, heading, pitch=0.0, speed=0.0, entity=(1, 2, 3), algorithm=2, exercise=7, appearance=0, roll=0.0):
     """An Entity State PDU of 144 bytes: IEEE 1278.1-2012, 7.2.2."""
     north, east, down = axes(latitude, longitude)
     h, p = np.radians(heading), np.radians(pitch)
     forward = np.cos(p) * (np.cos(h) * north + np.sin(h) * east) - np.sin(p) * down
-    psi, theta = np.arctan2(forward[1], forward[0]), -np.arcsin(forward[2])
+    level = np.cos(h) * east - np.sin(h) * north
+    below, r = np.cross(forward, level), np.radians(roll)
+    right, under = np.cos(r) * level + np.sin(r) * below, np.cos(r) * below - np.sin(r) * level
+    psi, theta, phi = np.arctan2(forward[1], forward[0]), -np.arcsin(forward[2]), np.arctan2(right[2], under[2])
+    velocity = (speed, 0, 0) if 6 <= algorithm <= 9 else speed * forward  # along the body's axes, along the earth's
     pdu = struct.pack(">BBBBIHBB", 7, exercise, 1, 1, 0, 144, 0, 0) + struct.pack(">HHHBB", *entity, 1, 0) + bytes(16)
-    pdu += struct.pack(">3f", *(speed * forward)) + struct.pack(">3d", *earth_centred(latitude, longitude, height))
-    pdu += struct.pack(">3f", psi, theta, 0.0) + struct.pack(">I", appearance) + struct.pack(">B", algorithm) + bytes(15) + bytes(24) + bytes(16)
+    pdu += struct.pack(">3f", *velocity) + struct.pack(">3d", *earth_centred(latitude, longitude, height))
+    pdu += struct.pack(">3f", psi, theta, phi) + struct.pack(">I", appearance) + struct.pack(">B", algorithm) + bytes(15) + bytes(24) + bytes(16)
     assert len(pdu) == 144
     return pdu
 

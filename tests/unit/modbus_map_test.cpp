@@ -46,6 +46,8 @@ TEST(ModbusMap, EveryParametersLimitsFitItsRegisters) {
     for (const double limit : {s.parameter->key.limits.low, s.parameter->key.limits.high}) {
       if (double* const* real = std::get_if<double*>(&slot)) {
         **real = limit == s.parameter->key.limits.low && s.parameter->key.limits.low_open ? 0.001 : limit;
+      } else if (const auto* open = std::get_if<std::optional<double>*>(&slot)) {
+        **open = limit;
       } else if (int* const* integer = std::get_if<int*>(&slot)) {
         **integer = static_cast<int>(limit);
       } else {
@@ -61,6 +63,18 @@ TEST(ModbusMap, EveryParametersLimitsFitItsRegisters) {
       }
     }
   }
+}
+
+TEST(ModbusMap, AVelocityThatIsNotGivenIsTheLeastCount) {
+  const Parameter& north = *find_parameter("antenna.velocity_north_m_s");
+  RadarConfig config;
+  EXPECT_EQ(encode(north, config), (Words{0x8000, 0x0000}));
+  EXPECT_EQ(decode(north, Words{0x8000, 0x0000}), Value(std::string("auto")));
+  EXPECT_FALSE(decode(north, Words{0x8000, 0x0001})) << "beyond its limits";
+  config.pose.velocity_north_m_s = -1.5;
+  EXPECT_EQ(encode(north, config), (Words{0xFFFF, 0xFA24}));
+  EXPECT_EQ(decode(north, Words{0xFFFF, 0xFA24}), Value(-1.5));
+  EXPECT_FALSE(decode(*find_parameter("antenna.heading_deg"), Words{0x8000, 0x0000}));
 }
 
 TEST(ModbusMap, NumbersStandHighWordFirst) {

@@ -54,9 +54,33 @@ TrackPoint on_the_way(const TrackPoint& a, const TrackPoint& b, double u) {
   const auto arc = [u](double from, double to) {
     return std::remainder(from + u * std::remainder(to - from, 360.0), 360.0);
   };
-  return {part(a.time_s, b.time_s), part(a.latitude_deg, b.latitude_deg),
-          arc(a.longitude_deg, b.longitude_deg), part(a.height_m, b.height_m),
-          arc(a.bearing_deg, b.bearing_deg)};
+  TrackPoint point;
+  point.time_s = part(a.time_s, b.time_s);
+  point.latitude_deg = part(a.latitude_deg, b.latitude_deg);
+  point.longitude_deg = arc(a.longitude_deg, b.longitude_deg);
+  point.height_m = part(a.height_m, b.height_m);
+  point.bearing_deg = arc(a.bearing_deg, b.bearing_deg);
+  for (const auto& [name, value] : kMotionColumns)
+    if (a.*value && b.*value) point.*value = part(*(a.*value), *(b.*value));
+  return point;
+}
+
+/// Velocity and attitude that the track says. Velocities are of its own clock; one that is none at this
+/// speed of flight is left to the server, which takes it from the poses.
+void write_motion(const TrackPoint& point, double speed, wire::Pose& pose) {
+  const auto flown = [&](const std::optional<double>& velocity_m_s) {
+    return speed * velocity_m_s.value_or(0);
+  };
+  const double north = flown(point.velocity_north_m_s), east = flown(point.velocity_east_m_s),
+               up = flown(point.velocity_up_m_s);
+  const bool is_said = point.velocity_north_m_s || point.velocity_east_m_s || point.velocity_up_m_s;
+  if (is_said && std::max({std::abs(north), std::abs(east), std::abs(up)}) <= kMostSpeed_m_s) {
+    pose.set_velocity_north_m_s(north);
+    pose.set_velocity_east_m_s(east);
+    pose.set_velocity_up_m_s(up);
+  }
+  if (point.roll_deg) pose.set_roll_deg(*point.roll_deg);
+  if (point.pitch_deg) pose.set_pitch_deg(*point.pitch_deg);
 }
 
 /// One flight: what was sent so far, and when the rest is due.
@@ -136,6 +160,7 @@ class Flight {
     // The track's clock, but the server holds it against its own: it runs as the flight does.
     pose.set_sim_time_ns(std::llround((first_s_ + elapsed_s(point)) * kNanoseconds));
     pose.set_pose_id(sent_ + 1);
+    write_motion(point, arguments_.speed, pose);
     if (arguments_.reference == "datum") pose.set_height_reference(wire::DATUM);
     if (arguments_.reference == "ground") pose.set_height_reference(wire::GROUND);
     if (arguments_.reference == "ellipsoid") pose.set_height_reference(wire::ELLIPSOID);
@@ -218,7 +243,8 @@ void add_fly(CLI::App& app) {
   command->add_option(
       "TRACK", arguments->track,
       "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, degrees "
-      "(with or without a header; other columns are ignored), or - for the standard input");
+      "(with or without a header, which may name further columns: velocity_north_m_s, velocity_east_m_s, "
+      "velocity_up_m_s, roll_deg, pitch_deg; others are ignored), or - for the standard input");
   add_datagram_options(*command, arguments->datagrams);
   add_reconnect_argument(*command, arguments->reconnect_s);
   command->add_option("--speed", arguments->speed, "Speed factor: 2 flies the track twice as fast")

@@ -26,6 +26,8 @@ constexpr std::pair<const char*, const char*> kShortcuts[] = {
     {"--latitude", "antenna.latitude_deg"}, {"--longitude", "antenna.longitude_deg"},
     {"--height", "antenna.height_m"},       {"--height-reference", "antenna.height_reference"},
     {"--bearing", "antenna.bearing_deg"},   {"--tilt", "antenna.tilt_deg"},
+    {"--heading", "antenna.heading_deg"},   {"--roll", "antenna.roll_deg"},
+    {"--pitch", "antenna.pitch_deg"},
 };
 
 std::string why_not_a_pose(const Parameter& parameter) {

@@ -180,6 +180,9 @@ class Ride {
     if (!(state.id == *entity_) || (source_.exercise >= 0 && state.exercise != source_.exercise)) return;
     if (!state.active) return leave("is deactivated");
     has_left_ = false;
+    if (const std::string fault = fault_of(state.attitude); !fault.empty())
+      add_news("roll and pitch are not taken, " + fault.substr(0, fault.find(':')) + " is beyond " +
+               fault.substr(fault.rfind(':') + 2) + " degrees");
     newest_ = state;
     arrived_ = Clock::now();
     next_ = arrived_;
@@ -248,6 +251,15 @@ class Ride {
     pose.set_pose_id(pose_id);
     if (new_time_line) pose.set_new_time_line(true);
     if (reference_) pose.set_height_reference(*reference_);
+    if (const auto& velocity_m_s = ownship.velocity_m_s) {
+      pose.set_velocity_north_m_s((*velocity_m_s)[0]);
+      pose.set_velocity_east_m_s((*velocity_m_s)[1]);
+      pose.set_velocity_up_m_s((*velocity_m_s)[2]);
+    }
+    if (ownship.attitude) {
+      pose.set_roll_deg(ownship.attitude->roll_deg);
+      pose.set_pitch_deg(ownship.attitude->pitch_deg);
+    }
     if (entity_) pose.set_geoid_undulation_m(source_.undulation_m);
     wire::Ack ack;
     const client::Status status = client_.client().set_pose(radar_, pose, ack);

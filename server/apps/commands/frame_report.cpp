@@ -59,13 +59,19 @@ std::string pose_text(const wire::Pose& pose) {
   const std::string tilt = pose.tilt_auto()       ? ", tilt automatic"
                            : pose.tilt_deg() == 0 ? ""
                                                   : fmt::format(", tilt {:.3g} degrees", pose.tilt_deg());
-  return fmt::format("{:.7f} {}, {:.7f} {}, {:.2f} m above {}, bearing {:.3f} degrees{}",
+  std::string motion;
+  if (pose.has_velocity_north_m_s())
+    motion = fmt::format(", {:.1f} m/s north, {:.1f} east, {:.1f} up", pose.velocity_north_m_s(),
+                         pose.velocity_east_m_s(), pose.velocity_up_m_s());
+  if (pose.roll_deg() != 0 || pose.pitch_deg() != 0)
+    motion += fmt::format(", roll {:.1f}, pitch {:.1f} degrees", pose.roll_deg(), pose.pitch_deg());
+  return fmt::format("{:.7f} {}, {:.7f} {}, {:.2f} m above {}, bearing {:.3f} degrees{}{}",
                      std::abs(pose.latitude_deg()), pose.latitude_deg() < 0 ? 'S' : 'N',
                      std::abs(pose.longitude_deg()), pose.longitude_deg() < 0 ? 'W' : 'E', pose.height_m(),
                      pose.height_reference() == wire::GROUND      ? "ground"
                      : pose.height_reference() == wire::ELLIPSOID ? "ellipsoid"
                                                                   : "datum",
-                     pose.bearing_deg(), tilt);
+                     pose.bearing_deg(), tilt, motion);
 }
 
 void WarningChanges::tell(std::vector<std::string> now, const std::string& where) {

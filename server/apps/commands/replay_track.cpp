@@ -44,7 +44,8 @@ class TrackWriter {
     if (!file_)
       throw InputError(fmt::format("--track: {}: cannot be written: {}", path, std::strerror(errno)));
     std::fprintf(file_.get(),
-                 "time,latitude,longitude,height,bearing,tilt,height_reference,utc_ns,sim_time_ns,pose_id\n");
+                 "time,latitude,longitude,height,bearing,tilt,height_reference,utc_ns,sim_time_ns,pose_id,"
+                 "velocity_north_m_s,velocity_east_m_s,velocity_up_m_s,roll_deg,pitch_deg\n");
   }
 
   void add(std::int64_t utc_ns, const wire::Pose& pose) {
@@ -77,12 +78,17 @@ class TrackWriter {
   };
   void write(Point point) {
     const wire::Pose& pose = point.pose;
-    std::fputs(fmt::format("{:.6f},{:.10f},{:.10f},{:.4f},{:.7f},{:.7f},{},{},{},{}\n", point.time_s,
-                           pose.latitude_deg(), pose.longitude_deg(), pose.height_m(), pose.bearing_deg(),
-                           pose.tilt_deg(), name_of(pose.height_reference()), point.utc_ns,
-                           pose.sim_time_ns(), pose.pose_id())
-                   .c_str(),
-               file_.get());
+    const std::string velocity = !pose.has_velocity_north_m_s()
+                                     ? ",,"  // not known
+                                     : fmt::format("{:.4f},{:.4f},{:.4f}", pose.velocity_north_m_s(),
+                                                   pose.velocity_east_m_s(), pose.velocity_up_m_s());
+    std::fputs(
+        fmt::format("{:.6f},{:.10f},{:.10f},{:.4f},{:.7f},{:.7f},{},{},{},{},{},{:.6f},{:.6f}\n",
+                    point.time_s, pose.latitude_deg(), pose.longitude_deg(), pose.height_m(),
+                    pose.bearing_deg(), pose.tilt_deg(), name_of(pose.height_reference()), point.utc_ns,
+                    pose.sim_time_ns(), pose.pose_id(), velocity, pose.roll_deg(), pose.pitch_deg())
+            .c_str(),
+        file_.get());
     ++lines_;
     written_ = std::move(point);
   }

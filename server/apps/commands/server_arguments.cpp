@@ -202,6 +202,7 @@ bool names_key(const std::vector<std::string>& flags, std::string_view key) {
 void write_named(const std::vector<std::string>& flags, const PoseSettings& pose, wire::Pose& message) {
   wire::Pose all;
   write_message(pose, all);
+  RadarConfig named{"", {}, pose};
   const google::protobuf::Reflection& reflection = *all.GetReflection();
   for (const Parameter& parameter : parameters()) {
     if (parameter.message != WireMessage::pose || names_key(flags, parameter.key.name)) continue;
@@ -212,6 +213,11 @@ void write_named(const std::vector<std::string>& flags, const PoseSettings& pose
     all.clear_tilt_deg();
     all.set_tilt_auto(true);
   }
+  // A velocity that is left open again: a place without one says so.
+  const auto opens = [&](const Parameter& p) {
+    return p.message == WireMessage::pose && is_left_open(p.slot(named)) && names_key(flags, p.key.name);
+  };
+  if (std::ranges::any_of(parameters(), opens)) all.set_latitude_deg(pose.latitude_deg);
   message = all;
 }
 

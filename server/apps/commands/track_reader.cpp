@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <optional>
@@ -98,6 +99,7 @@ void TrackReader::rewind() {
   read_.clear();
   searched_ = 0;
   line_ = 0;
+  behind_.clear();
   ended_ = begun_ = flying_ = is_track_ = false;
 }
 
@@ -144,12 +146,32 @@ TrackReader::Got TrackReader::next(TrackPoint& point, std::chrono::milliseconds 
   }
 }
 
-void TrackReader::check_header(std::string_view line) const {
+void TrackReader::read_header(std::string_view line) {
   for (std::size_t i = 0; i < kColumns; ++i) {
     const std::string_view word = take_column(line);
     if (!is_heading(word, kTable[i]))
       throw InputError(fmt::format("{}: column {}: found {}; allowed: a number, or a header of {}", where(),
                                    i + 1, i == 0 ? "neither" : shown(word), kWanted));
+  }
+  behind_.clear();
+  while (!line.empty()) {
+    const auto found = std::ranges::find(kMotionColumns, take_column(line), &MotionColumn::name);
+    behind_.push_back(found == kMotionColumns.end() ? nullptr : &*found);
+  }
+}
+
+void TrackReader::read_motion(std::string_view rest, TrackPoint& point) const {
+  for (const MotionColumn& column : kMotionColumns) point.*column.value = std::nullopt;
+  for (const MotionColumn* column : behind_) {
+    const std::string_view text = take_column(rest);
+    if (column == nullptr || text.empty()) continue;
+    const std::string key = "antenna." + std::string(column->name);
+    const Column limits{column->name, key, {}};
+    const auto number = parse_number(text);
+    if (!number || !within_limits(limits, *number))
+      throw InputError(
+          fmt::format("{}: {}: found {}; allowed: {}", where(), column->name, shown(text), allowed(limits)));
+    point.*column->value = number;
   }
 }
 
@@ -158,7 +180,7 @@ bool TrackReader::parse(std::string_view line, TrackPoint& point) {
   std::string_view rest = line;
   const std::string_view first = take_column(rest);
   if (!std::exchange(begun_, true) && !parse_number(first)) {
-    check_header(line);
+    read_header(line);
     is_track_ = true;
     return false;
   }
@@ -176,6 +198,7 @@ bool TrackReader::parse(std::string_view line, TrackPoint& point) {
                                    number || is_track_ ? shown(text) : "no number", allowed(kTable[i])));
     *values[i] = *number;
   }
+  read_motion(rest, point);
   if (flying_ && point.time_s < last_time_s_)
     throw InputError(fmt::format("{}: time: found {} after {}; allowed: a time that does not go back",
                                  where(), toml_number(point.time_s), toml_number(last_time_s_)));

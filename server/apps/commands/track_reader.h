@@ -1,10 +1,13 @@
 #pragma once
 // A flown track as a table: time, latitude, longitude, height, bearing, line by line.
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "terrain/base/files.h"
 
@@ -17,12 +20,28 @@ struct TrackPoint {
   double longitude_deg = 0;
   double height_m = 0;
   double bearing_deg = 0;
+  // Of columns that a header names so; empty: not said.
+  std::optional<double> velocity_north_m_s, velocity_east_m_s, velocity_up_m_s;
+  std::optional<double> roll_deg, pitch_deg;
 };
 
-/// Lines of comma-separated numbers, of which those behind the fifth are passed by, as are empty lines and
-/// those that begin with #. A first line that is no number is a header and must name the columns in that
-/// order. Throws InputError "FILE:LINE: column: found ...; allowed: ..." on anything else, a time that goes
-/// back included.
+/// A column behind the fifth that is read.
+struct MotionColumn {
+  std::string_view name;  ///< exactly, in a header; "antenna." and this is the parameter whose limits it has
+  std::optional<double> TrackPoint::*value;
+};
+inline constexpr std::array<MotionColumn, 5> kMotionColumns{{
+    {"velocity_north_m_s", &TrackPoint::velocity_north_m_s},
+    {"velocity_east_m_s", &TrackPoint::velocity_east_m_s},
+    {"velocity_up_m_s", &TrackPoint::velocity_up_m_s},
+    {"roll_deg", &TrackPoint::roll_deg},
+    {"pitch_deg", &TrackPoint::pitch_deg},
+}};
+
+/// Lines of comma-separated numbers, of which those behind the fifth are passed by, but for kMotionColumns,
+/// where a header names them; so are empty lines and those that begin with #. A first line that is no number
+/// is a header and must name the first five columns in that order. Throws InputError "FILE:LINE: column:
+/// found ...; allowed: ..." on anything else, a time that goes back included.
 class TrackReader {
  public:
   /// "-": standard input.
@@ -41,7 +60,8 @@ class TrackReader {
  private:
   Got next_line(std::string& line, std::chrono::milliseconds patience);
   bool parse(std::string_view line, TrackPoint& point);
-  void check_header(std::string_view line) const;
+  void read_header(std::string_view line);
+  void read_motion(std::string_view rest, TrackPoint& point) const;
 
   std::string name_;
   UniqueFd fd_;
@@ -54,6 +74,7 @@ class TrackReader {
   bool flying_ = false;    ///< a point has come
   bool is_track_ = false;  ///< a header or a point was read: what the file says may be shown
   double last_time_s_ = 0;
+  std::vector<const MotionColumn*> behind_;  ///< each column behind the fifth; null: passed by
 };
 
 }  // namespace obliq

@@ -23,6 +23,8 @@ constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground"
 using enum ModbusWords;
 using parameter_table::row;
 
+constexpr Limits kSpeeds = closed(-kMostSpeed_m_s, kMostSpeed_m_s);
+
 // Limits. Frequency: VHF to the millimetre band, wavelength 10 m to 1 mm. Ranges: 500 km is the horizon from
 // 15 km up over a 4/3 earth; beyond it the world frame's accuracy is not promised. Bins: a frame of
 // 8192 x 8192 takes 1.4 GB. Undulation: the geoid lies -107 to +86 m from the ellipsoid (EGM2008).
@@ -50,12 +52,31 @@ const std::array kParameters{
         "antenna.bearing_deg", "deg", closed(-360, 360), "bearing_deg", {210, i32, 1e6},
         "Centre of the sector, clockwise from true north at the antenna.", {.knob = "bearing", .aim = true}),
     row<&PoseSettings::heading_deg>(
-        "antenna.heading_deg", "deg", closed(-360, 360), "heading_deg", {},
+        "antenna.heading_deg", "deg", closed(-360, 360), "heading_deg", {323, i32, 1e6},
         "Heading of the platform that carries the antenna, true; a scene file that names none gets the "
         "bearing.",
         {.of_programs = true}),
+    row<&PoseSettings::roll_deg>("antenna.roll_deg", "deg", closed(-60, 60), "roll_deg", {331, i32, 1e6},
+                                 "Roll of the platform, right side down positive; the antenna is stabilised "
+                                 "against it.",
+                                 {.of_programs = true}),
+    row<&PoseSettings::pitch_deg>("antenna.pitch_deg", "deg", closed(-60, 60), "pitch_deg", {333, i32, 1e6},
+                                  "Pitch of the platform, nose up positive; the antenna is stabilised "
+                                  "against it.",
+                                  {.of_programs = true}),
+    row<&PoseSettings::velocity_north_m_s>(
+        "antenna.velocity_north_m_s", "m/s", kSpeeds, "velocity_north_m_s", {325, i32, 1e3},
+        "Velocity of the antenna over the ground, its part towards true north; auto: from the poses and "
+        "their own times, where there are two. Of the three parts one that is not named beside another is 0.",
+        {.of_programs = true}),
+    row<&PoseSettings::velocity_east_m_s>("antenna.velocity_east_m_s", "m/s", kSpeeds, "velocity_east_m_s",
+                                          {327, i32, 1e3}, "The same towards east.", {.of_programs = true}),
+    row<&PoseSettings::velocity_up_m_s>(
+        "antenna.velocity_up_m_s", "m/s", kSpeeds, "velocity_up_m_s", {329, i32, 1e3},
+        "The same upwards; from the poses of heights above ground: the change of those heights.",
+        {.of_programs = true}),
     row<&PoseSettings::time_rate>(
-        "antenna.time_rate", "", closed(0.001, 1000), "time_rate", {},
+        "antenna.time_rate", "", closed(0.001, 1000), "time_rate", {335, i32, 1e3},
         "Seconds of the controller's clock in a second: 10 where an exercise runs ten times as fast.",
         {.of_programs = true}),
     row<&PoseSettings::sim_time_ns>(

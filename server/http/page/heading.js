@@ -8,7 +8,7 @@ export const UP_WORDS = { north: "N UP", bearing: "BRG UP", heading: "HDG UP", c
 const LEAST_M = 5; // way that gives a course
 const OVER_MS = 3000; // that it is looked at over
 
-/** Heading, course and speed of one radar, from its poses. */
+/** Heading, course and speed of one radar, from its poses: their velocity, or the way of the last seconds. */
 export class Heading {
   constructor() {
     this.forget();
@@ -33,13 +33,21 @@ export class Heading {
     const { trail } = this;
     trail.push({ place, at_ms: now_ms });
     while (trail.length > 2 && trail[1].at_ms < now_ms - OVER_MS) trail.shift();
+    if (pose.velocity_north_m_s !== undefined) { // by the poses' own clock
+      const [east, north] = [number(pose.velocity_east_m_s), number(pose.velocity_north_m_s)];
+      this.#goes(east, north, Math.hypot(east, north) < (1000 * LEAST_M) / OVER_MS);
+      return;
+    }
     const took_ms = now_ms - trail[0].at_ms;
     if (took_ms < OVER_MS / 2) return;
     const [east_m, north_m] = inverse(...trail[0].place, ...place);
-    const way_m = Math.hypot(east_m, north_m);
-    const stands = way_m < LEAST_M;
-    this.course_deg = stands ? null : turned(Math.atan2(east_m, north_m) / DEGREE);
-    this.speed_mps = stands ? 0 : (1000 * way_m) / took_ms;
+    this.#goes((1000 * east_m) / took_ms, (1000 * north_m) / took_ms, Math.hypot(east_m, north_m) < LEAST_M);
+  }
+
+  /** Metres a second over the ground. */
+  #goes(east, north, stands) {
+    this.course_deg = stands ? null : turned(Math.atan2(east, north) / DEGREE);
+    this.speed_mps = stands ? 0 : Math.hypot(east, north);
   }
 
   /** Whether poses that differ still come. */
