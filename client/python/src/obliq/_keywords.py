@@ -76,6 +76,11 @@ class PoseFields(TypedDict, total=False):
     geoid_undulation_m: float | None
     bearing_deg: float | None
     heading_deg: float | None
+    roll_deg: float | None
+    pitch_deg: float | None
+    velocity_north_m_s: float | None
+    velocity_east_m_s: float | None
+    velocity_up_m_s: float | None
     time_rate: float | None
     sim_time_ns: int | None
     pose_id: int | None

@@ -464,7 +464,7 @@ class Material(_message.Message):
     def __init__(self, name: _Optional[str] = ..., model: _Optional[str] = ..., gamma: _Optional[float] = ..., reflectivity: _Optional[float] = ..., rms_slope: _Optional[float] = ..., plate_tau: _Optional[float] = ..., plate_exponent: _Optional[float] = ...) -> None: ...
 
 class Pose(_message.Message):
-    __slots__ = ["bearing_deg", "geoid_undulation_m", "heading_deg", "height_m", "height_reference", "latitude_deg", "longitude_deg", "new_time_line", "pose_id", "sim_time_ns", "tilt_auto", "tilt_deg", "time_rate", "valid_s"]
+    __slots__ = ["bearing_deg", "geoid_undulation_m", "heading_deg", "height_m", "height_reference", "latitude_deg", "longitude_deg", "new_time_line", "pitch_deg", "pose_id", "roll_deg", "sim_time_ns", "tilt_auto", "tilt_deg", "time_rate", "valid_s", "velocity_east_m_s", "velocity_north_m_s", "velocity_up_m_s"]
     BEARING_DEG_FIELD_NUMBER: _ClassVar[int]
     GEOID_UNDULATION_M_FIELD_NUMBER: _ClassVar[int]
     HEADING_DEG_FIELD_NUMBER: _ClassVar[int]
@@ -473,12 +473,17 @@ class Pose(_message.Message):
     LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
     LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
     NEW_TIME_LINE_FIELD_NUMBER: _ClassVar[int]
+    PITCH_DEG_FIELD_NUMBER: _ClassVar[int]
     POSE_ID_FIELD_NUMBER: _ClassVar[int]
+    ROLL_DEG_FIELD_NUMBER: _ClassVar[int]
     SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
     TILT_AUTO_FIELD_NUMBER: _ClassVar[int]
     TILT_DEG_FIELD_NUMBER: _ClassVar[int]
     TIME_RATE_FIELD_NUMBER: _ClassVar[int]
     VALID_S_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_EAST_M_S_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_NORTH_M_S_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_UP_M_S_FIELD_NUMBER: _ClassVar[int]
     bearing_deg: float
     geoid_undulation_m: float
     heading_deg: float
@@ -487,13 +492,18 @@ class Pose(_message.Message):
     latitude_deg: float
     longitude_deg: float
     new_time_line: bool
+    pitch_deg: float
     pose_id: int
+    roll_deg: float
     sim_time_ns: int
     tilt_auto: bool
     tilt_deg: float
     time_rate: float
     valid_s: float
-    def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ..., tilt_deg: _Optional[float] = ..., tilt_auto: bool = ..., heading_deg: _Optional[float] = ..., new_time_line: bool = ..., time_rate: _Optional[float] = ...) -> None: ...
+    velocity_east_m_s: float
+    velocity_north_m_s: float
+    velocity_up_m_s: float
+    def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ..., tilt_deg: _Optional[float] = ..., tilt_auto: bool = ..., velocity_north_m_s: _Optional[float] = ..., velocity_east_m_s: _Optional[float] = ..., velocity_up_m_s: _Optional[float] = ..., roll_deg: _Optional[float] = ..., pitch_deg: _Optional[float] = ..., heading_deg: _Optional[float] = ..., new_time_line: bool = ..., time_rate: _Optional[float] = ...) -> None: ...
 
 class QueryGround(_message.Message):
     __slots__ = ["antenna", "bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "radar", "range_m", "request_id"]

@@ -301,6 +301,15 @@ class Pose(Fields):
     bearing_deg: Centre of the sector, clockwise from true north at the antenna. Allowed: number -360 to 360 deg.
     heading_deg: Heading of the platform that carries the antenna, true; a scene file that names none gets the bearing.
         Allowed: number -360 to 360 deg.
+    roll_deg: Roll of the platform, right side down positive; the antenna is stabilised against it. Allowed: number -60 to
+        60 deg.
+    pitch_deg: Pitch of the platform, nose up positive; the antenna is stabilised against it. Allowed: number -60 to 60 deg.
+    velocity_north_m_s: Velocity of the antenna over the ground, its part towards true north; auto: from the poses and their
+        own times, where there are two. Of the three parts one that is not named beside another is 0. Allowed: "auto" or a
+        number -20000 to 20000 m/s.
+    velocity_east_m_s: The same towards east. Allowed: "auto" or a number -20000 to 20000 m/s.
+    velocity_up_m_s: The same upwards; from the poses of heights above ground: the change of those heights. Allowed: "auto"
+        or a number -20000 to 20000 m/s.
     time_rate: Seconds of the controller's clock in a second: 10 where an exercise runs ten times as fast. Allowed: number
         0.001 to 1000.
     sim_time_ns: Time of the pose by the controller's clock; the server interpolates between poses that have one. Allowed:
@@ -320,6 +329,11 @@ class Pose(Fields):
     geoid_undulation_m: float | None = None
     bearing_deg: float | None = None
     heading_deg: float | None = None
+    roll_deg: float | None = None
+    pitch_deg: float | None = None
+    velocity_north_m_s: float | None = None
+    velocity_east_m_s: float | None = None
+    velocity_up_m_s: float | None = None
     time_rate: float | None = None
     sim_time_ns: int | None = None
     pose_id: int | None = None
@@ -347,6 +361,11 @@ Pose.keys = {
     "antenna.geoid_undulation_m": "geoid_undulation_m",
     "antenna.bearing_deg": "bearing_deg",
     "antenna.heading_deg": "heading_deg",
+    "antenna.roll_deg": "roll_deg",
+    "antenna.pitch_deg": "pitch_deg",
+    "antenna.velocity_north_m_s": "velocity_north_m_s",
+    "antenna.velocity_east_m_s": "velocity_east_m_s",
+    "antenna.velocity_up_m_s": "velocity_up_m_s",
     "antenna.time_rate": "time_rate",
     "antenna.sim_time_ns": "sim_time_ns",
     "antenna.pose_id": "pose_id",
