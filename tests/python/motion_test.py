@@ -27,7 +27,7 @@ class Frames(unittest.TestCase):
                     "noise": True, "azimuth_bins": 48, "range_bins": 64}
         with obliq.connect(support.shared_daemon()) as server:
             for sampling in ({}, {"frustum": "oblique", "pixel_columns": 128, "pixel_rows": 128}):
-                home = server.radar("main").pose.replace(height_m=2500.0, tilt_deg=-10.0)
+                home = server.radar("main").pose.replace(tilt_deg=-10.0)
                 level = server.render({**settings, **sampling}, home, radar="main", as_live=True)
                 moved = server.render({**settings, **sampling}, radar="main", as_live=True,
                                       pose=home.replace(roll_deg=-55.0, pitch_deg=35.0, velocity_north_m_s=250.0, velocity_up_m_s=-9.0))
@@ -39,14 +39,25 @@ class Frames(unittest.TestCase):
 
     def test_limits_are_named(self):
         with obliq.connect(support.shared_daemon()) as server, server.radar("main").control() as control:
-            for field, value in (("roll_deg", 60.5), ("pitch_deg", float("nan")), ("velocity_up_m_s", 3e4)):
-                with self.assertRaisesRegex(obliq.ObliqError, f"antenna.{field}: found"):
+            for field, value in (("roll_deg", 60.5), ("pitch_deg", -60.5), ("velocity_up_m_s", 3e4)):
+                with self.assertRaisesRegex(obliq.ObliqError, f"{field}: found"):
                     control.set_pose(**{field: value})
+            with self.assertRaisesRegex(ValueError, "pitch_deg=nan"):
+                control.set_pose(pitch_deg=float("nan"))
 
 
 class Doors(Folder):
     """Of `obliq fly`: version 2 of the datagram, DIS, tracks."""
 
+    def setUp(self):
+        super().setUp()
+        with obliq.connect(support.shared_daemon()) as server:
+            self.home = server.radar("main").pose
+        self.addCleanup(self.go_home)  # behind the ride's end
+
+    def go_home(self):
+        with obliq.connect(support.shared_daemon()) as server, server.radar("main").control() as control:
+            control.set_pose(self.home.replace(sim_time_ns=None, pose_id=None))
 
     def test_datagrams_of_version_2_carry_velocity_and_attitude(self):
         ride = Ride(self)
