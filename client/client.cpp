@@ -65,9 +65,8 @@ Request about(const std::string& radar) {
 
 template <typename Request>
 void name_kinds(wire::ClaimSet claims, Request& request) {
-  for (int i = 0; i < wire::kClaims; ++i)
-    if ((claims & claim_bit(static_cast<wire::Claim>(i))) != 0)
-      request.add_kinds(static_cast<wire::ClaimKind>(i));
+  wire::for_each_claim(claims,
+                       [&](wire::Claim claim) { request.add_kinds(static_cast<wire::ClaimKind>(claim)); });
 }
 
 // Others may ask whether this client is there, at any time.
@@ -229,11 +228,7 @@ Status Client::get_radar(const std::string& radar, wire::RadarInfo& info) {
   return state_->call(MessageType::get_radar, request, MessageType::radar_info, info);
 }
 
-Status Client::claim_control(const std::string& radar, bool force) {
-  auto request = about<wire::ClaimControl>(radar);
-  request.set_force(force);
-  return state_->acknowledged(MessageType::claim_control, request);
-}
+Status Client::claim_control(const std::string& radar, bool force) { return claim(radar, {}, force); }
 
 Status Client::claim(const std::string& radar, wire::ClaimSet claims, bool force) {
   auto request = about<wire::ClaimControl>(radar);
@@ -248,10 +243,7 @@ Status Client::release(const std::string& radar, wire::ClaimSet claims) {
   return state_->acknowledged(MessageType::release_control, request);
 }
 
-Status Client::release_control(const std::string& radar) {
-  auto request = about<wire::ReleaseControl>(radar);
-  return state_->acknowledged(MessageType::release_control, request);
-}
+Status Client::release_control(const std::string& radar) { return release(radar, {}); }
 
 Status Client::set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack) {
   auto request = about<wire::SetSettings>(radar);

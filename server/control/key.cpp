@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "terrain/base/units.h"
+
 namespace obliq {
 
 namespace {
@@ -34,7 +36,7 @@ struct LengthUnit {
   std::string_view name;
   double metres;
 };
-constexpr LengthUnit kLengths[] = {{"m", 1}, {"km", 1000}, {"ft", 0.3048}, {"nmi", 1852}};
+constexpr LengthUnit kLengths[] = {{"m", 1}, {"km", 1000}, {"ft", kFoot_m}, {"nmi", 1852}};
 
 /// A number with its unit behind it, "9842 ft" or "9842ft", of a key in metres.
 std::optional<double> metres_of(std::string_view text) {

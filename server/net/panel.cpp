@@ -36,12 +36,6 @@ wire::ClaimSet claims_for(const PanelChange& change) {
   return claims;
 }
 
-/// What the console is beside the clients.
-Hand hand_of(const LiveRadar& radar) {
-  if (radar.claims.holder(wire::Claim::pose) != nullptr) return Hand::operates;
-  return radar.claims.holder(wire::Claim::settings) != nullptr ? Hand::flyer : Hand::alone;
-}
-
 }  // namespace
 
 Panel::Panel(Room& room, Post post)
@@ -107,6 +101,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   bool new_settings = false;
   bool new_pose = false;
   NamedAngles named;
+  const Hand hand = hand_of(radar.claims, nullptr);
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;
   for (const auto& [parameter, value] : change.settings) {
@@ -123,10 +118,8 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     config.settings.beam.file = change.of_scene_file->pattern;
     new_settings = true;
   }
-  const double max_rate_hz = room_.options().max_rate_hz;
-  if (change.rate_limit_hz && !(*change.rate_limit_hz >= 0 && *change.rate_limit_hz <= max_rate_hz))
-    errors.push_back({"rate_limit_hz", std::to_string(*change.rate_limit_hz),
-                      "0 (none) to " + std::to_string(max_rate_hz)});
+  if (change.rate_limit_hz)
+    if (auto fault = room_.rate_limit_fault(*change.rate_limit_hz)) errors.push_back(std::move(*fault));
   if (new_settings || new_pose) append(errors, validate(config));
   if (new_settings && errors.empty()) errors = room_.renderer().scene_faults(config.settings);
   if (new_settings && errors.empty()) {
@@ -134,7 +127,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     if (over) errors.push_back(over->field);
   }
   if (errors.empty() && new_pose) {
-    resolve_angles(hand_of(radar), named, radar.has_heading, radar.pose, config.pose);
+    resolve_angles(hand, named, radar.has_heading, radar.pose, config.pose);
     errors = room_.renderer().place(config.pose);
   }
   // What the ground decides shows as the radar's fault, as after a move.
@@ -146,7 +139,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   Radars& radars = room_.radars();
   if (new_settings) (void)radar.settings.set(config.settings);
   radar.has_heading |= named.heading;
-  if (new_pose && hand_of(radar) == Hand::operates) {
+  if (new_pose && hand == Hand::operates) {
     radars.aim(radar, config.pose);
   } else if (new_pose) {
     (void)radars.take_pose(radar, config.pose, false);

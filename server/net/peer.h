@@ -62,6 +62,7 @@ class Peer {
   const std::string host;     ///< "127.0.0.1"
   const std::string address;  ///< "127.0.0.1:50000"
   const bool takes_json;      ///< as the descriptors of all messages
+  bool owes_replay_state = false;  ///< where a replay is has changed since this peer was told
   std::string name;           ///< as shown to others: what it calls itself, and where it is
   bool greeted = false;       ///< Hello has been answered
   bool has_left = false;      ///< its connection has ended; the room forgets it soon

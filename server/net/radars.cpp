@@ -119,11 +119,10 @@ wire::ClaimSet Radars::release(LiveRadar& radar, wire::ClaimSet claims, const Pe
 }
 
 void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
-  for (int i = 0; i < wire::kClaims; ++i) {
-    Peer* holder = radar.claims.holder(static_cast<wire::Claim>(i));
-    if (holder == nullptr || holder == &by) continue;
+  wire::for_each_claim(claims, [&](wire::Claim claim) {
+    Peer* holder = radar.claims.holder(claim);
+    if (holder == nullptr || holder == &by) return;
     const wire::ClaimSet taken = release(radar, claims, *holder);
-    if (taken == 0) continue;
     log_as_guest(*holder);
     log_as_guest(by);
     const std::string told =
@@ -131,7 +130,7 @@ void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
     holder->send(MessageType::error, make_error(0, ErrorNumber::controlled_by_other, told, {}, radar.name));
     spdlog::warn("radar {}: {} takes {} from {}; give it a token of another role if it should not",
                  radar.name, by.name, wire::claim_names(taken), holder->name);
-  }
+  });
 }
 
 void Radars::forget(Peer& peer) {

@@ -219,9 +219,8 @@ void Requests::get_radar(const wire::GetRadar& request) {
   write_message(radar->pose, *info.mutable_pose());
   const wire::ClaimSet mine = radar->claims.of(peer_);
   info.set_controlled_by_you((mine & wire::kPoseClaim) != 0);
-  for (int i = 0; i < wire::kClaims; ++i)
-    if ((mine & claim_bit(static_cast<wire::Claim>(i))) != 0)
-      info.add_claimed_by_you(static_cast<wire::ClaimKind>(i));
+  wire::for_each_claim(
+      mine, [&](wire::Claim claim) { info.add_claimed_by_you(static_cast<wire::ClaimKind>(claim)); });
   info.set_exercise_frozen(room_.exercise().is_frozen());
   write_condition(*radar, info);
   peer_.send(MessageType::radar_info, info);

@@ -126,8 +126,8 @@ class Requests {
   LiveRadar* claimed_radar(const std::string& name);
   /// False after a refusal: this peer does not hold all of that.
   bool demand_claims(const LiveRadar& radar, wire::ClaimSet claims);
-  /// The same of all radars; an admin has them where the request says so.
-  bool demand_all_claims();
+  /// The same of one radar, or of all (null); an admin has them where the request says so.
+  bool demand_exercise(const LiveRadar* one);
   /// SetPose of the peer that flies the radar, and of one that only turns its antenna. The Ack follows.
   void fly(LiveRadar& radar, const wire::Pose& message);
   void aim(LiveRadar& radar, const wire::Pose& message);

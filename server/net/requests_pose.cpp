@@ -48,7 +48,7 @@ void Requests::set_pose(const wire::SetPose& request) {
 
 void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
   const Peer* other = radar.claims.holder(Claim::settings);
-  const Hand hand = other == nullptr || other == &peer_ ? Hand::alone : Hand::flyer;
+  const Hand hand = hand_of(radar.claims, &peer_);
   wire::Pose taken = message;
   std::vector<std::string> warnings;
   const bool has_heading = radar.has_heading || message.has_heading_deg();
@@ -89,8 +89,7 @@ void Requests::aim(LiveRadar& radar, const wire::Pose& message) {
   std::vector<FieldError> errors = merge_message(message, pose);
   append(errors, validate(pose));
   if (errors.empty()) {
-    const Hand hand = radar.claims.holder(Claim::pose) != nullptr ? Hand::operates : Hand::alone;
-    resolve_angles(hand, angles_of(message), radar.has_heading, radar.pose, pose);
+    resolve_angles(hand_of(radar.claims, &peer_), angles_of(message), radar.has_heading, radar.pose, pose);
     errors = pose_faults(room_, radar, pose);
   }
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);

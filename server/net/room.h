@@ -79,6 +79,9 @@ class Room : private RenderEvents {
   void handle(Peer& peer, wire::MessageType type, std::span<const std::byte> descriptor);
   /// A block has left the peer's outbox.
   void taken(Peer& peer, const Block& block);
+  /// A peer is about to be sent its next message: what it is to hear only the newest of goes behind those
+  /// that wait. However fast news comes, one a message written is queued.
+  void tell_news(Peer& peer);
   /// Queues a checked request; gives it its client and its stream.
   void render_once(Peer& peer, const OnceRequestPtr& request);
   /// Asks the render thread. When it has answered, the peer's kept requests are handled from the first on.
@@ -93,6 +96,8 @@ class Room : private RenderEvents {
   void watchers_changed(bool newcomer);
   /// What limit a live radar of such settings would exceed, watched with such planes.
   std::optional<OverLimit> over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const;
+  /// Why an operator may not limit a radar to such a rate.
+  std::optional<FieldError> rate_limit_fault(double rate_hz) const;
 
  private:
   std::shared_ptr<Peer> shared_peer(std::uint64_t client_id) const;

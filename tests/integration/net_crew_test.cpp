@@ -16,18 +16,6 @@ using client::Status;
 using wire::kPoseClaim;
 using wire::kSettingsClaim;
 
-wire::Pose moved() {
-  wire::Pose pose;
-  pose.set_latitude_deg(0.5);
-  return pose;
-}
-
-wire::Pose tilted(double tilt_deg) {
-  wire::Pose pose;
-  pose.set_tilt_deg(tilt_deg);
-  return pose;
-}
-
 wire::Pose turned(double bearing_deg) {
   wire::Pose pose;
   pose.set_bearing_deg(bearing_deg);
@@ -38,12 +26,6 @@ wire::Pose headed(double heading_deg) {
   wire::Pose pose;
   pose.set_heading_deg(heading_deg);
   return pose;
-}
-
-wire::RadarInfo info_of(client::Client& client) {
-  wire::RadarInfo info;
-  EXPECT_TRUE(is_ok(client.get_radar("main", info)));
-  return info;
 }
 
 /// The Ack of a SetPose that must be taken.

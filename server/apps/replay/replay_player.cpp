@@ -107,13 +107,14 @@ void ReplayPlayer::go_to(const Wish& wish) {
   if (wish_) return;  // somewhere else by now
   frame_at_ns_ = frame_place_ns_ = to_ns;
   clock_.jump(to_ns);
+  jumps_ = clock_.jumps();
 }
 
 ReplayPlayer::Due ReplayPlayer::take_newest() {
   const std::int64_t now_ns = clock_.now_ns();
   const bool leaves_out = std::isfinite(clock_.speed());
   std::optional<Due> newest;
-  while (next_ && (!newest || (leaves_out && next_->at_ns <= now_ns && next_->at_ns > keep_until_ns_))) {
+  while (next_ && (!newest || (leaves_out && !is_kept(*newest) && next_->at_ns <= now_ns))) {
     newest = std::exchange(next_, std::nullopt);
     next_ = read_frame();
   }
@@ -133,7 +134,8 @@ void ReplayPlayer::end() {
 net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
   const std::lock_guard reading(reading_);
   std::optional<Wish> wish;
-  {
+  // Places sought faster than they can be shown do not keep each other from being shown.
+  if (!next_ || !is_kept(*next_)) {
     const std::lock_guard lock(state_);
     wish = std::exchange(wish_, std::nullopt);
   }
@@ -141,9 +143,9 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
     go_to(*wish);
     tell();
   }
-  const std::uint64_t jumps = clock_.jumps();
+  const std::uint64_t jumps_now = clock_.jumps();
   if (is_over()) {
-    (void)clock_.wait_until(INT64_MAX, jumps, {}, kLongestWait);
+    (void)clock_.wait_until(INT64_MAX, jumps_now, {}, kLongestWait);
     return {};
   }
   if (!next_) next_ = read_frame();
@@ -151,20 +153,26 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
     end();
     return {};
   }
-  if (clock_.wait_until(next_->at_ns, jumps, {}, kLongestWait) != PlaybackClock::Outcome::reached) return {};
-  const double late_s = 1e-9 * static_cast<double>(clock_.now_ns() - next_->at_ns) / clock_.speed();
-  if (late_s > kMostLate_s && next_->at_ns > keep_until_ns_) {
-    clock_.set_back(next_->at_ns);
-    tell();
+  if (!is_kept(*next_)) {
+    if (clock_.wait_until(next_->at_ns, jumps_, {}, kLongestWait) != PlaybackClock::Outcome::reached)
+      return {};
+    const double late_s = 1e-9 * static_cast<double>(clock_.now_ns() - next_->at_ns) / clock_.speed();
+    if (late_s > kMostLate_s) {
+      clock_.set_back(next_->at_ns);
+      tell();
+    }
   }
   const Due due = take_newest();
   {
     const std::lock_guard lock(state_);
-    if (wish_ || jumps != clock_.jumps()) return {};
-    frame_at_ns_ = due.at_ns;
-    frame_place_ns_ = from_start_ns(due.frame->begin_utc_ns);
-    const std::int64_t sim_time_ns = due.frame->frame.descriptor->pose().sim_time_ns();
-    frame_sim_time_ns_ = sim_time_ns == 0 ? std::nullopt : std::optional(sim_time_ns);
+    const bool elsewhere = jumps_ != clock_.jumps();
+    if (elsewhere && !is_kept(due)) return {};
+    if (!elsewhere) {
+      frame_at_ns_ = due.at_ns;
+      frame_place_ns_ = from_start_ns(due.frame->begin_utc_ns);
+      const std::int64_t sim_time_ns = due.frame->frame.descriptor->pose().sim_time_ns();
+      frame_sim_time_ns_ = sim_time_ns == 0 ? std::nullopt : std::optional(sim_time_ns);
+    }
   }
   net::FrameRenderer::Plan plan;
   const wire::FrameDescriptor& recorded = *due.frame->frame.descriptor;
@@ -175,8 +183,9 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
   as_recorded.video.floor_db = recorded.video_floor_db();
   as_recorded.scan_mode = ScanMode::frame;  // its beam has swept
   plan.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{as_recorded, settings->version});
-  plan.for_all = due.at_ns <= keep_until_ns_;
-  plan.frame = std::make_unique<ReplayedFrame>(due.frame, video_scale(as_recorded), due.at_ns, clock_, jumps);
+  plan.for_all = is_kept(due);
+  const ReplayedFrame::Times times{due.at_ns, keep_until_ns_, jumps_};
+  plan.frame = std::make_unique<ReplayedFrame>(due.frame, video_scale(as_recorded), clock_, times);
   return plan;
 }
 

@@ -65,6 +65,7 @@ class ReplayPlayer : public net::ReplayControl {
   // With `reading_` held:
   std::optional<Due> read_frame();
   void go_to(const Wish& wish);
+  bool is_kept(const Due& due) const { return due.at_ns <= keep_until_ns_; }
   Due take_newest();
   void end();
 
@@ -90,6 +91,7 @@ class ReplayPlayer : public net::ReplayControl {
   RecordedTime time_;
   std::optional<Due> next_;
   std::int64_t keep_until_ns_ = -1;  ///< frames up to that time are shown, however late: it went there
+  std::uint64_t jumps_ = 0;          ///< the clock's, when it went there; with another number, a place is sought
   client::RecordingLosses losses_;
 
   mutable std::mutex state_;  ///< guards what follows; held for moments only
