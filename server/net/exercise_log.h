@@ -34,7 +34,7 @@ class ExerciseLog {
   static constexpr std::size_t kMostEvents = 4096;
   static constexpr std::size_t kMostBytes = std::size_t{4} << 20;
   static constexpr std::size_t kMostBookmarks = 1000;
-  /// Of the events in one message: with an ExerciseState behind them it stays below kMaxDescriptorBytes.
+  /// Of the events in one message, unless one alone has more.
   static constexpr std::size_t kPageBytes = std::size_t{48} << 10;
 
   ExerciseLog();

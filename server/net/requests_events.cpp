@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "proto/bookmark.h"
+#include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/net/peer.h"
 #include "server/net/request_limits.h"
@@ -15,16 +16,30 @@ namespace obliq::net {
 
 using wire::ErrorNumber;
 
+namespace {
+
+/// Of an ExerciseEvents, beside its events and its state.
+constexpr std::size_t kSlack_bytes = 64;
+
+}  // namespace
+
 void Requests::get_events(const wire::GetEvents& request) {
   wire::ExerciseEvents answer;
   answer.set_request_id(id_);
   const bool all = room_.log().write(request.after(), answer);
-  answer.set_more(!all);
-  if (all && request.with_state() && room_.replay() == nullptr) {
-    room_.exercise().write(*answer.mutable_state());
+  wire::ExerciseState state;
+  const bool with_state = all && request.with_state() && room_.replay() == nullptr;
+  if (with_state) room_.exercise().write(state);
+  // Both are large where many radars were loaded or reset: then the state has a message of its own.
+  const bool too_much =
+      answer.ByteSizeLong() + state.ByteSizeLong() + kSlack_bytes > wire::kMaxDescriptorBytes;
+  const bool ends = all && !(with_state && answer.events_size() > 0 && too_much);
+  answer.set_more(!ends);
+  if (ends && with_state) {
+    *answer.mutable_state() = std::move(state);
     answer.set_frozen(room_.exercise().is_frozen());
   }
-  if (all) peer_.follows_events = request.follow();
+  if (ends) peer_.follows_events = request.follow();
   peer_.send(wire::MessageType::exercise_events, answer);
 }
 

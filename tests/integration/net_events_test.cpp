@@ -64,10 +64,11 @@ std::string standing(client::Client& client) {
   EXPECT_TRUE(is_ok(client.get_exercise(state)));
   state.clear_request_id();
   std::string text = state.DebugString();
-  for (const wire::RadarStatus& radar : status_of(client).radars())
+  const wire::Status status = status_of(client);
+  for (const wire::RadarStatus& radar : status.radars())
     text += radar.radar() + ": " + first_word(radar.controller()) + ", " +
             first_word(radar.settings_controller()) + "\n";
-  return text + (status_of(client).exercise_frozen() ? "frozen" : "");
+  return text + (status.exercise_frozen() ? "frozen" : "");
 }
 
 class Events : public Served {
@@ -113,7 +114,7 @@ TEST_F(Events, EachChangeIsNotedOnceWithWhoAndWhat) {
       R"(kind: FREEZE_EVENT by: "hand" freeze: true)",
       R"(kind: RESET_EVENT by: "hand" radar: "nose")",
       R"(kind: RELEASE_EVENT by: "hand" radar: "main")" + at_7_s + " claims: SETTINGS_CLAIM",
-      R"(kind: SWITCH_EVENT by: "the operator's console" radar: "main")" + at_7_s +
+      R"(kind: SWITCH_EVENT by: "the operator\'s console" radar: "main")" + at_7_s +
           " transmit: true rate_limit_hz: 5",
       R"(kind: RELEASE_EVENT by: "host" radar: "main")" + at_7_s + " claims: POSE_CLAIM"};
   std::vector<std::string> found;
@@ -329,7 +330,7 @@ TEST(EventsOfALog, AreBoundedAndBookmarksStay) {
     whole = log.write(after, page);
     for (const wire::ExerciseEvent& event : page.events()) bytes += event.ByteSizeLong();
     after = page.events().rbegin()->number();
-    EXPECT_LT(page.ByteSizeLong(), wire::kMaxDescriptorBytes - 160u * 1024u) << "a state follows";
+    EXPECT_LT(page.ByteSizeLong(), wire::kMaxDescriptorBytes) << "one of these a page";
   }
   EXPECT_LE(bytes, ExerciseLog::kMostBytes);
   EXPECT_EQ(after, 1 + kMany + 100);

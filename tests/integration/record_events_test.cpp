@@ -133,7 +133,7 @@ TEST_F(RecordEvents, ABookmarkOfADebriefIsAtItsPlaceAndKeptIfThatIsAskedFor) {
   for (const bool keeps : {false, true}) {
     std::vector<std::string> words{"replay", path, "--serve", "--hold", "--port", "0"};
     if (keeps) words.emplace_back("--keep-bookmarks");
-    Running replay(words, folder / "replay.log");
+    Running replay(words, folder / (keeps ? "keeps.log" : "replay.log"));
     client::Client client = connected(replay.await(" on "), "teacher");
     wire::SetReplay request;
     request.set_paused(true);
@@ -176,7 +176,9 @@ TEST_F(RecordEvents, ALogThatIsDamagedAnywhereNeverCrashesAndLosesWhatIsDamagedA
         path,
         [&](const wire::ExerciseEvents& more) { events += static_cast<std::size_t>(more.events_size()); },
         log)));
-    if (at + 1000 < good.size()) EXPECT_EQ(events, 3u) << at;
+    if (at + 1000 < good.size()) {
+      EXPECT_EQ(events, 3u) << at;
+    }
   }
   EXPECT_EQ(
       obliq({"replay", folder.write("text.obliq", "this is no recording, but it is long enough for a header"),

@@ -107,7 +107,7 @@ TEST_F(ReplayProtection, TheSceneFileOfTheDaemonProtectsItsDebriefAndItsPage) {
   const std::string scene_of_daemon = folder.write(
       "guarded.toml", text_of(SmallScene{.server = "tokens = \"tokens\"\ntls_certificate = \"own.pem\"\n"
                                                    "tls_key = \"own.key\"\nmax_clients = 3\n"
-                                                   "[http]\nport = 0\n[stream]\nlive_frames = 2\n"}));
+                                                   "[stream]\nlive_frames = 2\n"}));
   const std::string address = serve({"--config", scene_of_daemon});
   ASSERT_NE(address, "") << replay->log();
   client::Client client;

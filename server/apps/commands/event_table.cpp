@@ -48,7 +48,7 @@ std::string settings_text(const wire::RadarSettings& message) {
                : "what this version does not know";
 }
 
-std::string pose_text(const wire::Pose& message) {
+std::string aim_text(const wire::Pose& message) {
   RadarConfig config;
   const bool known = merge_message(message, config.pose).empty();
   return known ? values_text(message, WireMessage::pose, config) : "what this version does not know";
@@ -75,7 +75,7 @@ std::string switches_text(const wire::ExerciseEvent& event) {
 std::string name_text(const std::string& name) { return printable_text(name, kNameBytes); }
 
 /// UTC to the millisecond, as ISO 8601 has it.
-std::string utc_text(std::int64_t utc_ns) {
+std::string utc_of(std::int64_t utc_ns) {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
   const std::int64_t part_ns = ((utc_ns % kSecond_ns) + kSecond_ns) % kSecond_ns;
   const auto second = static_cast<std::time_t>((utc_ns - part_ns) / kSecond_ns);
@@ -98,7 +98,7 @@ std::string event_words(const wire::ExerciseEvent& event) {
     case wire::SETTINGS_EVENT:
       return "sets " + settings_text(event.settings());
     case wire::AIM_EVENT:
-      return "aims: " + pose_text(event.pose());
+      return "aims: " + aim_text(event.pose());
     case wire::SWITCH_EVENT:
       return "switches " + switches_text(event);
     case wire::RESET_EVENT:
@@ -125,7 +125,7 @@ std::string event_heading() {
 std::string event_line(const wire::ExerciseEvent& event, std::int64_t start_ns) {
   const double since_s = 1e-9 * (static_cast<double>(event.utc_ns()) - static_cast<double>(start_ns));
   return fmt::format("{:>10.3f}  {:>5}  {:<24}  {:<28}  {:<10}  {}", since_s, event.number(),
-                     utc_text(event.utc_ns()), name_text(event.by()),
+                     utc_of(event.utc_ns()), name_text(event.by()),
                      event.radar().empty() ? "all" : name_text(event.radar()), event_words(event));
 }
 
