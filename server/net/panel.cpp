@@ -4,7 +4,9 @@
 #include <future>
 #include <utility>
 
+#include "proto/obliq.pb.h"
 #include "server/control/planes_per_bin.h"
+#include "server/control/settings_message.h"
 #include "server/net/aim.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
@@ -34,6 +36,20 @@ wire::ClaimSet claims_for(const PanelChange& change) {
     claims |= flies ? wire::kPoseClaim : wire::kSettingsClaim;
   }
   return claims;
+}
+
+/// Of a pose, the fields that the change names.
+wire::Pose pose_message(const PanelChange& change, const PoseSettings& pose) {
+  wire::Pose all;
+  write_message(pose, all);
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  all.GetReflection()->ListFields(all, &fields);
+  for (const auto* field : fields)
+    if (std::ranges::none_of(change.settings, [&](const PanelChange::Setting& s) {
+          return s.parameter->message == WireMessage::pose && s.parameter->wire_field == field->name();
+        }))
+      all.GetReflection()->ClearField(&all, field);
+  return all;
 }
 
 }  // namespace
@@ -126,6 +142,8 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     over = room_.over_live_limit(config.settings, wire::kAllPlanes);
     if (over) errors.push_back(over->field);
   }
+  wire::Pose asked;
+  if (new_pose) asked = pose_message(change, config.pose);
   if (errors.empty() && new_pose) {
     resolve_angles(hand, named, radar.has_heading, radar.pose, config.pose);
     errors = room_.renderer().place(config.pose);
@@ -136,6 +154,10 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over), {}};
 
   // Nothing is left that can be refused.
+  constexpr auto kConsole = "the operator's console";
+  const RadarSettings settings_before = radar.settings.current()->settings;
+  const PoseSettings pose_before = radar.pose;
+  const auto switches_before = ExerciseLog::switches_of(radar);
   Radars& radars = room_.radars();
   if (new_settings) (void)radar.settings.set(config.settings);
   radar.has_heading |= named.heading;
@@ -147,8 +169,10 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
   if (new_settings || new_pose || change.clear_faults) radars.publish_view(radar);
   if (new_settings) radars.check_windows(radar);
-  constexpr auto kConsole = "the operator's console";
   radars.flip(radar, {change.transmit, change.freeze}, kConsole);
+  if (new_settings) room_.log().set(radar, settings_before, kConsole);
+  if (only_aims(asked)) room_.log().aimed(radar, pose_before, asked, kConsole);
+  room_.log().switched(radar, switches_before, kConsole);
   if (change.reset) room_.exercise().reset(radar.name, kConsole);
   if (change.exercise_freeze) room_.exercise().freeze(*change.exercise_freeze, kConsole);
   radars.update_demand(radar);

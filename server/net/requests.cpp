@@ -175,6 +175,10 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::load_exercise);
     case MessageType::set_exercise:
       return answer(descriptor, &Requests::set_exercise);
+    case MessageType::get_events:
+      return answer(descriptor, &Requests::get_events);
+    case MessageType::add_bookmark:
+      return answer(descriptor, &Requests::add_bookmark);
     default:  // of a later minor version, or not for a server: skipped
       return;
   }
@@ -243,6 +247,7 @@ void Requests::set_settings(const wire::SetSettings& request) {
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "settings refused", errors);
   const auto outcome = radar->settings.set(candidate);
   room_.radars().publish_view(*radar);
+  room_.log().set(*radar, before->settings, peer_.name);
   acknowledge(outcome.published->version);
   room_.radars().check_windows(*radar);
 }

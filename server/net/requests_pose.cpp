@@ -69,8 +69,10 @@ void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
   }
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
   if (message.new_time_line()) radar.poses->restart();
+  const PoseSettings before = radar.pose;
   if (room_.radars().move(radar, pose, message.has_sim_time_ns())) {
     radar.has_heading = has_heading;
+    if (only_aims(taken)) room_.log().aimed(radar, before, taken, peer_.name);
   } else {
     warnings.push_back("sim_time_ns: found " + std::to_string(pose.sim_time_ns) + " after " +
                        std::to_string(radar.pose.sim_time_ns) +
@@ -93,7 +95,9 @@ void Requests::aim(LiveRadar& radar, const wire::Pose& message) {
     errors = pose_faults(room_, radar, pose);
   }
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
+  const PoseSettings before = radar.pose;
   room_.radars().aim(radar, pose);
+  room_.log().aimed(radar, before, message, peer_.name);
   acknowledge_pose(radar, {});
 }
 

@@ -31,9 +31,12 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
               {.threads = options_.render_threads,
                .slice_bytes = options_.slice_bytes,
                .live_frames = options_.live_frames}),
-      radars_(options_, radars, render_) {
+      radars_(options_, radars, render_, log_) {
   set_limits(options_);
   if (!options_.security) options_.security = std::make_shared<Security>();
+  log_.on_event([this](const wire::ExerciseEvent& event) { tell_event(event); });
+  if (replay() != nullptr)
+    replay()->each_event([this](const wire::ExerciseEvent& event) { log_.note(event); });
   if (replay() != nullptr) replay()->on_change([this] { post_([this] { tell_replay_state(); }); });
 }
 
@@ -60,6 +63,13 @@ void Room::tell_news(Peer& peer) {
   wire::ReplayState state;
   replay()->write_state(state);
   peer.send(MessageType::replay_state, state);
+}
+
+void Room::tell_event(const wire::ExerciseEvent& event) {
+  wire::ExerciseEvents one;
+  *one.add_events() = event;
+  for (const auto& peer : peers_)
+    if (peer->follows_events) peer->send(MessageType::exercise_events, one);
 }
 
 void Room::finish() {

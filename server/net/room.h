@@ -13,6 +13,7 @@
 
 #include "server/ground_query/query_thread.h"
 #include "server/net/exercise.h"
+#include "server/net/exercise_log.h"
 #include "server/net/options.h"
 #include "server/net/radars.h"
 #include "server/net/request_limits.h"
@@ -34,6 +35,8 @@ class Room : private RenderEvents {
   const FrameRenderer& renderer() const { return renderer_; }
   Radars& radars() { return radars_; }
   Exercise& exercise() { return exercise_; }
+  /// Who changed what, when.
+  ExerciseLog& log() { return log_; }
   Clock::duration uptime() const { return Clock::now() - started_; }
   RoomStatistics statistics() const;
   /// See Server::set_limits.
@@ -109,6 +112,7 @@ class Room : private RenderEvents {
   void handle_kept(const std::shared_ptr<Peer>& peer, const std::vector<FieldError>& faults);
   void finish_render(Peer& peer, std::uint32_t stream_id);
   void tell_replay_state();
+  void tell_event(const wire::ExerciseEvent& event);
   void stopped_if_empty();
 
   void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) override;
@@ -133,7 +137,8 @@ class Room : private RenderEvents {
   bool stopping_ = false;
   std::uint64_t frames_dropped_ = 0;  ///< by clients that have left
   std::size_t bytes_freed_ = 0;       ///< that waited for clients that left, since memory was last given back
-  RenderThread render_;               ///< ended before the radars go, to which it reports
+  ExerciseLog log_;
+  RenderThread render_;  ///< ended before the radars go, to which it reports
   Radars radars_;
   QueryThread queries_;
   Exercise exercise_{*this};

@@ -32,6 +32,8 @@ class Bar : public net::ReplayControl {
     return {};
   }
   void write_state(wire::ReplayState& state) const override { state.set_radar("main"); }
+  void each_event(const std::function<void(const wire::ExerciseEvent&)>&) const override {}
+  void keep(const wire::ExerciseEvent&) override {}
   void watched(bool, bool) override {}
   void on_change(std::function<void()> call) override { call_ = std::move(call); }
   void changed() const {

@@ -1,6 +1,7 @@
 // The page: it joins connection, pictures, controls and words.
 
 import { Bins } from "./bins.js";
+import { Bookmarks } from "./bookmarks.js";
 import { Debrief } from "./debrief.js";
 import { Display, readFragment, writeFragment } from "./controls.js";
 import { KEYS, listenKeys, listenPointer } from "./input.js";
@@ -56,6 +57,7 @@ export class App {
     this.display = new Display(this);
     this.controls = new RadarControls(this);
     this.debrief = new Debrief(this);
+    this.bookmarks = new Bookmarks(this);
     listenKeys(this);
     this.#buttons();
     document.addEventListener("visibilitychange", () => this.subscribe());
@@ -219,6 +221,7 @@ export class App {
     this.fillSources();
     this.subscribed = new Set();
     this.subscribe();
+    this.bookmarks.begin(welcome);
     await this.poll(); // what there is to see beside it follows from the first radar
     if (this.kept.panes === 2 && this.panes.length === 1) this.setPanes(2);
   }
@@ -266,7 +269,9 @@ export class App {
       const isFirst = !this.debrief.state;
       this.debrief.take(message);
       if (isFirst) this.fillSources();
+      if (isFirst) this.bookmarks.show();
     }
+    if (type === "ExerciseEvents") this.bookmarks.take(message);
     if (type === "Error") {
       const asked = this.panes.find(({ pending }) => pending && pending === body.request_id);
       if (asked) asked.refused(new Refused(body));
