@@ -75,11 +75,13 @@ class Debrief(unittest.TestCase):
         page.await_script("obliq.panes[0].bins.scanRow >= 0 && !obliq.panes[0].bins.held.length", "the picture of the place")
 
     def test_a_bookmark_is_seen_by_all_stations_and_takes_all_of_them_there(self):
+        from selenium.webdriver.common.by import By
+        from selenium.webdriver.common.keys import Keys
         self.pause(self.page, 2)
         self.other.open(self.url)
         self.other.await_script("globalThis.obliq?.debrief?.state?.paused", "the same recording")
         text = "near <b>it</b>"
-        self.page.script(f"const t = document.getElementById('mark-text'); t.value = {text!r}; document.getElementById('mark').click()")
+        self.page.driver.find_element(By.ID, "mark-text").send_keys(text, Keys.ENTER)
         for page in (self.page, self.other):
             page.await_script(f"document.querySelector('#marks button')?.textContent.endsWith({text!r})", "the bookmark")
             self.assertIsNone(page.script("return document.querySelector('#marks b')"), "a text is a text")

@@ -14,7 +14,9 @@ export class Bookmarks {
     this.list = []; // ExerciseEvent
     this.refusal = "";
     $("mark").onclick = () => this.add();
-    $("mark-text").onkeydown = ({ key }) => key === "Enter" && this.add();
+    $("mark-text").onkeydown = ({ key }) => {
+      if (key === "Enter") this.add();
+    };
     this.show();
   }
 

@@ -85,7 +85,9 @@ export class App {
     };
     $("again").onclick = () => this.again();
     $("words").onclick = () => $("words").classList.toggle("all");
-    $("words").onkeydown = ({ key }) => key === "Enter" && $("words").click();
+    $("words").onkeydown = ({ key }) => {
+      if (key === "Enter") $("words").click();
+    };
     addEventListener("hashchange", () => location.reload());
   }
 
