@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "client/c_frames.h"
 #include "client/client.h"
 #include "client/frame_assembler.h"
 #include "client/settings_text.h"
@@ -28,74 +29,12 @@ static_assert(wire::plane_bit(wire::Plane::iq) == OBLIQ_IQ &&
               wire::plane_bit(wire::Plane::returns) == OBLIQ_RETURNS);
 static_assert(sizeof(std::complex<float>) == 2 * sizeof(float));
 
-namespace {
-
-/// Frames of several streams at a time, each with the planes that were asked for.
-class Frames : public client::FrameHandler {
- public:
-  std::map<std::string, wire::PlaneSet> of_radar;      ///< planes of subscriptions
-  std::map<std::uint64_t, wire::PlaneSet> of_request;  ///< of single frames
-  std::deque<client::AssembledFrame> whole;            ///< of a subscription the newest alone
-  std::string aborted;                                 ///< why a single frame does not come
-
-  Status on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) override {
-    const auto asked = of_request.find(begin.request_id());
-    const auto watched = of_radar.find(begin.frame().radar());
-    if (asked == of_request.end() && watched == of_radar.end()) return {};  // no longer wanted
-    const wire::PlaneSet planes = asked != of_request.end() ? asked->second : watched->second;
-    Stream& stream = streams_[header.stream_id];
-    if (stream.frames == nullptr || stream.planes != planes)
-      stream = {planes, std::make_unique<client::FrameAssembler>(planes)};
-    return stream.frames->on_begin(header, begin);
-  }
-  Status on_block(const wire::MessageHeader& header, const wire::WedgeBlock& block,
-                  std::span<const std::byte> values) override {
-    const auto stream = streams_.find(header.stream_id);
-    return stream == streams_.end() ? Status{} : stream->second.frames->on_block(header, block, values);
-  }
-  Status on_end(const wire::MessageHeader& header, const wire::FrameEnd& end) override {
-    const auto stream = streams_.find(header.stream_id);
-    if (stream == streams_.end()) return {};
-    client::FrameAssembler& frames = *stream->second.frames;
-    if (Status status = frames.on_end(header, end); !status.ok()) return status;
-    if (frames.state() != client::FrameAssembler::State::complete) return {};
-    client::AssembledFrame frame = frames.take();
-    if (frame.request_id != 0) {
-      of_request.erase(frame.request_id);
-      streams_.erase(stream);
-    } else {
-      const auto is_older = [&](const client::AssembledFrame& other) {
-        return other.request_id == 0 && other.descriptor->radar() == frame.descriptor->radar();
-      };
-      for (const client::AssembledFrame& other : whole)
-        if (is_older(other)) frame.frames_skipped += other.frames_skipped + 1;
-      std::erase_if(whole, is_older);
-    }
-    whole.push_back(std::move(frame));
-    return {};
-  }
-  Status on_abort(const wire::MessageHeader& header, const wire::FrameAbort& abort) override {
-    streams_.erase(header.stream_id);
-    if (of_request.erase(abort.request_id()) > 0) aborted = abort.reason();
-    return {};
-  }
-  void on_lost() override { streams_.clear(); }
-
- private:
-  struct Stream {
-    wire::PlaneSet planes = 0;
-    std::unique_ptr<client::FrameAssembler> frames;
-  };
-  std::map<std::uint32_t, Stream> streams_;
-};
-
-}  // namespace
-
 struct obliq_client {
   client::Client client;
-  Frames frames;
+  client::FramesOfStreams frames;
   client::AssembledFrame shown;  ///< what the newest obliq_frame points into
   std::string radar;             ///< its name
+  wire::ExerciseEvents events;   ///< of the newest answer
   std::string error;
   std::uint32_t number = 0;
 };
@@ -350,7 +289,7 @@ int obliq_render(obliq_client* client, const char* radar, const obliq_pose* pose
 int obliq_receive(obliq_client* client, obliq_frame* frame, int timeout_ms) {
   return guarded(client, [&] {
     const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(std::max(0, timeout_ms));
-    Frames& frames = client->frames;
+    client::FramesOfStreams& frames = client->frames;
     while (frames.whole.empty()) {
       const auto left = std::chrono::duration_cast<client::Timeout>(end - std::chrono::steady_clock::now());
       if (Status status = client->client.receive(std::max(left, client::Timeout(0))); !status.ok())
@@ -389,6 +328,40 @@ int obliq_query(obliq_client* client, const char* radar, size_t n, const double*
                    r.building};
     }
     return Status{};
+  });
+}
+
+int obliq_bookmark(obliq_client* client, const char* text) {
+  return guarded(client, [&] { return client->client.add_bookmark(text_of(text)); });
+}
+
+int obliq_next_event(obliq_client* client, uint64_t after, obliq_event* event) {
+  return guarded(client, [&] {
+    const auto behind = [&] {
+      return std::ranges::find_if(client->events.events(), [&](const auto& e) { return e.number() > after; });
+    };
+    auto at = behind();
+    // What is kept goes on from there, or the server is asked.
+    if (at == client->events.events().end() ||
+        (at == client->events.events().begin() && at->number() > after + 1)) {
+      client->events.Clear();
+      if (Status status = client->client.get_events(after, false, client->events); !status.ok())
+        return status;
+      at = behind();
+    }
+    const wire::ExerciseEvent& found =
+        at == client->events.events().end() ? wire::ExerciseEvent::default_instance() : *at;
+    *event = {found.number(),     found.utc_ns(),        static_cast<int>(found.kind()),
+              found.by().c_str(), found.radar().c_str(), found.text().c_str()};
+    return Status{};
+  });
+}
+
+int obliq_go_to_event(obliq_client* client, uint64_t number) {
+  return guarded(client, [&] {
+    wire::SetReplay request;
+    request.set_seek_bookmark(number);
+    return client->client.set_replay(request);
   });
 }
 

@@ -98,6 +98,17 @@ typedef struct obliq_ground {
   uint32_t building; /* from 1; 0: none */
 } obliq_ground;
 
+/* Who changed what of an exercise, and when. Texts live until the next obliq_next_event() or obliq_close().
+ */
+typedef struct obliq_event {
+  uint64_t number; /* from 1 */
+  int64_t utc_ns;
+  int kind;          /* as EventKind in obliq.proto; 10: a bookmark */
+  const char* by;    /* the client's name */
+  const char* radar; /* "": all */
+  const char* text;  /* of a bookmark */
+} obliq_event;
+
 /* A client that is not connected yet; NULL: no memory. */
 obliq_client* obliq_open(void);
 void obliq_close(obliq_client* client);
@@ -144,6 +155,13 @@ int obliq_receive(obliq_client* client, obliq_frame* frame, int timeout_ms);
  * NULL: on the ground. */
 int obliq_query(obliq_client* client, const char* radar, size_t n, const double* latitude_deg,
                 const double* longitude_deg, const double* height_m, obliq_ground* ground);
+
+/* A text at this moment of the exercise, or at the place of a replay, for all stations; for a controller. */
+int obliq_bookmark(obliq_client* client, const char* text);
+/* The oldest event behind number `after` (0: of all) that the server has; none: its number is 0. */
+int obliq_next_event(obliq_client* client, uint64_t after, obliq_event* event);
+/* Takes a server that replays a recording, for all stations, to the time of an event. */
+int obliq_go_to_event(obliq_client* client, uint64_t number);
 
 #ifdef __cplusplus
 }

@@ -7,6 +7,8 @@
 #include "proto/error_number.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
+// After the messages:
+#include "client/client_state.h"
 
 namespace obliq::client {
 
@@ -18,56 +20,12 @@ constexpr int kHeartbeatsMissed = 3;
 /// Of requests whose answers nobody waits for.
 constexpr std::uint64_t kSent = std::uint64_t{1} << 63;
 
-struct Client::State {
-  Connection connection;
-  Endpoint endpoint;
-  ClientOptions options;
-  wire::Welcome welcome;
-  FrameHandler* handler = nullptr;
-  Tap tap;
-  wire::Bytes welcome_bytes;
-  std::optional<wire::ReplayState> replay_state;
-  wire::Bytes payload;  ///< memory of the message before, for the next
-  std::uint64_t last_request = 0;
-  Clock::time_point last_heard;
-
-  template <typename Request, typename Reply>
-  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply) {
-    return call(type, request, reply_type, reply, options.reply_timeout);
-  }
-  /// plane: null, or what gets the bytes behind the reply.
-  template <typename Request, typename Reply>
-  Status call(MessageType type, Request& request, MessageType reply_type, Reply& reply, Timeout patience,
-              wire::Bytes* plane = nullptr);
-  Status explain_silence(Status status) const;
-  template <typename Request>
-  Status acknowledged(MessageType type, Request& request) {
-    wire::Ack ack;
-    return call(type, request, MessageType::ack, ack);
-  }
-  Status receive(Message& message, Timeout timeout);
-  Status receive_and_handle(Message& message, Timeout timeout);
-  Status dispatch(const Message& message);
-  Status keep_replay_state(const Message& message);
-  Status refused_pose(const wire::Error& error);
-  Status unsolicited(const Message& message);
-  Status doubt_server(Status status);
-};
-
 namespace {
 
 template <typename Request>
-Request about(const std::string& radar) {
-  Request request;
-  request.set_radar(radar);
-  return request;
-}
-
-template <typename Request>
 void name_kinds(wire::ClaimSet claims, Request& request) {
-  for (int i = 0; i < wire::kClaims; ++i)
-    if ((claims & claim_bit(static_cast<wire::Claim>(i))) != 0)
-      request.add_kinds(static_cast<wire::ClaimKind>(i));
+  wire::for_each_claim(claims,
+                       [&](wire::Claim claim) { request.add_kinds(static_cast<wire::ClaimKind>(claim)); });
 }
 
 // Others may ask whether this client is there, at any time.
@@ -87,10 +45,10 @@ Status Client::State::receive(Message& message, Timeout timeout) {
   return tap ? tap(message) : Status{};
 }
 
-template <typename Request, typename Reply>
-Status Client::State::call(MessageType type, Request& request, MessageType reply_type, Reply& reply,
-                           Timeout patience, wire::Bytes* plane) {
-  request.set_request_id(++last_request);
+Status Client::State::exchange(MessageType type, const google::protobuf::MessageLite& request,
+                               MessageType reply_type, google::protobuf::MessageLite& reply,
+                               const std::function<std::uint64_t()>& number, Timeout patience,
+                               wire::Bytes* plane) {
   const Status sent = connection.send(type, request);
   if (!sent.ok() && sent.outcome != Outcome::closed) return sent;
   // Where sending failed because the server has closed, its last words may still wait to be read.
@@ -100,11 +58,13 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
     last_heard = Clock::now();
     if (message.header.type == reply_type) {
       if (!wire::parse_descriptor(message.descriptor(), reply)) return unreadable("answer");
-      if (reply.request_id() == last_request) {
+      if (number() == last_request) {
         if (reply_type == MessageType::welcome) welcome_bytes = message.bytes();
         if (plane != nullptr) plane->assign(message.plane().begin(), message.plane().end());
         return {};
       }
+      if (reply_type == MessageType::exercise_events)
+        if (Status status = hand_on_events(message); !status.ok()) return status;
     } else if (message.header.type == MessageType::error) {
       wire::Error error;
       if (!wire::parse_descriptor(message.descriptor(), error)) return unreadable("Error");
@@ -115,6 +75,8 @@ Status Client::State::call(MessageType type, Request& request, MessageType reply
       if (Status status = answer_heartbeat(connection, message); !status.ok()) return status;
     } else if (message.header.type == MessageType::replay_state) {
       if (Status status = keep_replay_state(message); !status.ok()) return status;
+    } else if (message.header.type == MessageType::exercise_events) {
+      if (Status status = hand_on_events(message); !status.ok()) return status;
     } else if (is_frame(message.header.type)) {
       if (Status status = dispatch(message); !status.ok()) return status;
     }
@@ -229,11 +191,7 @@ Status Client::get_radar(const std::string& radar, wire::RadarInfo& info) {
   return state_->call(MessageType::get_radar, request, MessageType::radar_info, info);
 }
 
-Status Client::claim_control(const std::string& radar, bool force) {
-  auto request = about<wire::ClaimControl>(radar);
-  request.set_force(force);
-  return state_->acknowledged(MessageType::claim_control, request);
-}
+Status Client::claim_control(const std::string& radar, bool force) { return claim(radar, {}, force); }
 
 Status Client::claim(const std::string& radar, wire::ClaimSet claims, bool force) {
   auto request = about<wire::ClaimControl>(radar);
@@ -248,10 +206,7 @@ Status Client::release(const std::string& radar, wire::ClaimSet claims) {
   return state_->acknowledged(MessageType::release_control, request);
 }
 
-Status Client::release_control(const std::string& radar) {
-  auto request = about<wire::ReleaseControl>(radar);
-  return state_->acknowledged(MessageType::release_control, request);
-}
+Status Client::release_control(const std::string& radar) { return release(radar, {}); }
 
 Status Client::set_settings(const std::string& radar, const wire::RadarSettings& settings, wire::Ack& ack) {
   auto request = about<wire::SetSettings>(radar);
@@ -313,35 +268,6 @@ Status Client::get_status(wire::Status& status) {
   return state_->call(MessageType::get_status, request, MessageType::status, status);
 }
 
-Status Client::get_exercise(wire::ExerciseState& state) {
-  wire::GetExercise request;
-  return state_->call(MessageType::get_exercise, request, MessageType::exercise_state, state);
-}
-
-Status Client::load_exercise(const wire::ExerciseState& state) {
-  wire::LoadExercise request;
-  *request.mutable_state() = state;
-  return state_->acknowledged(MessageType::load_exercise, request);
-}
-
-Status Client::reset_exercise(const std::string& radar) {
-  auto request = about<wire::ResetExercise>(radar);
-  return state_->acknowledged(MessageType::reset_exercise, request);
-}
-
-Status Client::freeze_exercise(bool on) {
-  wire::SetExercise request;
-  request.set_frozen(on);
-  return state_->acknowledged(MessageType::set_exercise, request);
-}
-
-Status Client::set_replay(wire::SetReplay& request) {
-  return state_->acknowledged(MessageType::set_replay, request);
-}
-const wire::ReplayState* Client::replay_state() const {
-  return state_->replay_state ? &*state_->replay_state : nullptr;
-}
-
 Status Client::query_ground(wire::QueryGround& request, wire::GroundAnswer& answer,
                             std::vector<wire::GroundRecord>& records) {
   records.clear();
@@ -373,6 +299,7 @@ Status Client::State::receive_and_handle(Message& message, Timeout timeout) {
   last_heard = Clock::now();
   if (message.header.type == MessageType::heartbeat) return answer_heartbeat(connection, message);
   if (message.header.type == MessageType::replay_state) return keep_replay_state(message);
+  if (message.header.type == MessageType::exercise_events) return hand_on_events(message);
   return is_frame(message.header.type) ? dispatch(message) : unsolicited(message);
 }
 

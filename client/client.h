@@ -27,6 +27,7 @@ class GroundAnswer;
 class SetReplay;
 class ReplayState;
 class ExerciseState;
+class ExerciseEvents;
 }  // namespace obliq::wire
 
 namespace obliq::client {
@@ -97,6 +98,12 @@ class Client {
   Status reset_exercise(const std::string& radar);
   /// Clock, antenna and noise of all radars stand, for all clients, or go on.
   Status freeze_exercise(bool on);
+  /// Who changed what of the exercise: the events behind number `after`, as many as fit into one answer (then
+  /// `more` is set). follow: once an answer is complete, later ones come to FrameHandler::on_events by
+  /// themselves. with_state: such an answer has the exercise's state behind its events.
+  Status get_events(std::uint64_t after, bool follow, wire::ExerciseEvents& events, bool with_state = false);
+  /// For all stations; in a replay at its place. At most 1000 bytes; for a controller.
+  Status add_bookmark(const std::string& text);
   /// Pauses a replay, changes its speed or its place, for all that watch it. request's number is set. Refused
   /// with error 126 by a server whose radars are live.
   Status set_replay(wire::SetReplay& request);

@@ -10,6 +10,7 @@ class FrameBegin;
 class WedgeBlock;
 class FrameEnd;
 class FrameAbort;
+class ExerciseEvents;
 }  // namespace obliq::wire
 
 namespace obliq::client {
@@ -27,6 +28,8 @@ class FrameHandler {
   }
   virtual Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) { return {}; }
   virtual Status on_abort(const wire::MessageHeader&, const wire::FrameAbort&) { return {}; }
+  /// What has happened to the exercise meanwhile (Client::get_events with `follow`).
+  virtual Status on_events(const wire::ExerciseEvents&) { return {}; }
   /// The connection is gone: of a frame that has begun, no more will come.
   virtual void on_lost() {}
   /// The server refuses a pose of Client::send_pose. A status that is not ok ends the call as well.

@@ -14,10 +14,8 @@ const char* claim_name(Claim claim) {
 
 std::string claim_names(ClaimSet claims) {
   std::string names;
-  for (int i = 0; i < kClaims; ++i) {
-    const auto claim = static_cast<Claim>(i);
-    if (claims & claim_bit(claim)) names += (names.empty() ? "" : " and ") + std::string(claim_name(claim));
-  }
+  for_each_claim(
+      claims, [&](Claim claim) { names += (names.empty() ? "" : " and ") + std::string(claim_name(claim)); });
   return names;
 }
 

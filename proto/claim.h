@@ -24,6 +24,13 @@ constexpr ClaimSet kEveryClaim = (1u << kClaims) - 1;
 /// Of a client that names none: what version 1.1 knew.
 constexpr ClaimSet kUnnamedClaims = kPoseClaim | kSettingsClaim;
 
+/// Calls for each claim of a set, in the order of their numbers.
+template <typename Call>
+void for_each_claim(ClaimSet claims, Call call) {
+  for (int i = 0; i < kClaims; ++i)
+    if (const auto claim = static_cast<Claim>(i); claims & claim_bit(claim)) call(claim);
+}
+
 const char* claim_name(Claim claim);
 /// "pose and settings", as far as they are in the set.
 std::string claim_names(ClaimSet claims);

@@ -29,6 +29,9 @@ struct MessageLimits {
 /// kMaxPlaneBytes.
 constexpr std::uint32_t kMaxQueryPoints = 10000;
 
+/// Of a bookmark's text, in bytes of UTF-8.
+constexpr std::uint32_t kMaxBookmarkBytes = 1000;
+
 /// Names of clients, servers and radars, in bytes; longer ones are cut.
 constexpr std::uint32_t kMaxNameBytes = 64;
 

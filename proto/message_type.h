@@ -36,6 +36,9 @@ enum class MessageType : std::uint16_t {
   exercise_state = 39,
   load_exercise = 40,
   set_exercise = 41,
+  get_events = 42,
+  exercise_events = 43,
+  add_bookmark = 44,
 
   frame_begin = 48,
   wedge_block = 49,

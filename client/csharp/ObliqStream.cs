@@ -72,6 +72,17 @@ namespace Obliq
     [Serializable, DataContract]
     public sealed class Ack { [DataMember] public string request_id, settings_version; [DataMember] public string[] warnings; }
 
+    /// <summary>Who changed what of the exercise, and when: kind "BOOKMARK_EVENT", "SETTINGS_EVENT" and so on, as EventKind in obliq.proto.</summary>
+    [Serializable, DataContract]
+    public sealed class ExerciseEvent { [DataMember] public string number, utc_ns, kind, by, radar, text; }
+
+    [Serializable, DataContract]
+    internal sealed class ExerciseEvents
+    {
+        [DataMember] public ExerciseEvent[] events;
+        [DataMember] public bool more;
+    }
+
     [Serializable, DataContract]
     public sealed class FrameDescriptor
     {
@@ -297,7 +308,7 @@ namespace Obliq
         {
             Hello = 1, Welcome = 2, Ack = 3, Error = 4, Heartbeat = 5, GetRadar = 18, RadarInfo = 19, ClaimControl = 20,
             ReleaseControl = 21, SetSettings = 22, SetPose = 23, Subscribe = 24, Unsubscribe = 25, RenderOnce = 26, SetState = 29,
-            ResetExercise = 37, SetExercise = 41,
+            ResetExercise = 37, SetExercise = 41, GetEvents = 42, AddBookmark = 44,
             FrameBegin = 48, WedgeBlock = 49, FrameEnd = 50, FrameAbort = 51
         }
 
@@ -400,6 +411,21 @@ namespace Obliq
         public Task<Ack> ResetExerciseAsync(string radar = "") { return AckAsync(Type.ResetExercise, new Fields().Add("radar", radar)); }
         /// <summary>Stops all radars for all stations, clock, antenna and noise, or lets them go on; for who holds all claims, or an admin.</summary>
         public Task<Ack> FreezeExerciseAsync(bool on) { return AckAsync(Type.SetExercise, new Fields().Add("frozen", on)); }
+        /// <summary>Marks this moment of the exercise, or the place of a replay, for all stations; at most 1000 bytes of UTF-8, for a controller.</summary>
+        public Task<Ack> BookmarkAsync(string text) { return AckAsync(Type.AddBookmark, new Fields().Add("text", text)); }
+        /// <summary>The log of the exercise behind the event of that number, oldest first.</summary>
+        public async Task<List<ExerciseEvent>> GetEventsAsync(long after = 0)
+        {
+            var all = new List<ExerciseEvent>();
+            for (bool more = true; more;)
+            {
+                var page = Json<ExerciseEvents>((string)await AskAsync(Type.GetEvents, new Fields().Add("after", after)).ConfigureAwait(false));
+                all.AddRange(page.events ?? new ExerciseEvent[0]);
+                more = page.more;
+                if (all.Count > 0) after = long.Parse(all[all.Count - 1].number, CultureInfo.InvariantCulture);
+            }
+            return all;
+        }
         /// <summary>One frame for this client alone, of no live radar: its name is only echoed.</summary>
         /// <param name="pose">At least latitude_deg, longitude_deg and height_m.</param>
         /// <param name="settings">What is not in it has its default, not a live radar's value.</param>

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <limits>
 
@@ -206,6 +207,35 @@ SceneConfig load_scene_file(const std::filesystem::path& path, const LoadOptions
 SceneConfig load_scene_text(const std::string& text, const std::filesystem::path& path,
                             const LoadOptions& options) {
   return load(parse_config_text(text, path.string()), path, options);
+}
+
+SceneConfig load_serving(const std::filesystem::path& path, const LoadOptions& options) {
+  const std::array<const Section*, 3> serving{&kServerSection, &kStreamSection, &kHttpSection};
+  const auto serves = [&](std::string_view section) {
+    return std::ranges::find(serving, section, &Section::name) != serving.end();
+  };
+  Complaints complaints;
+  for (const std::string& flag : options.set) {
+    const std::string key = flag.substr(0, flag.find('='));
+    if (!serves(key.substr(0, key.find('.'))))
+      complaints.add("--set", {key, "a key of another section", "keys of [server], [stream] and [http]"});
+  }
+  complaints.throw_if_any();
+  ConfigNode off;
+  off.kind = Kind::value;
+  off.value = false;
+  ConfigNode root = path.empty() ? nest("http.enabled", off) : parse_config_file(path);
+  apply_overrides(root, options.set, complaints);
+  std::erase_if(root.items, [&](const ConfigNode& node) { return !serves(node.key); });
+  SceneConfig config;
+  config.path = path;
+  SectionReader top(root, "", complaints);
+  const std::filesystem::path file = path.empty() ? "none" : path;
+  SceneReading scene{config, top, complaints, std::filesystem::absolute(file).parent_path()};
+  for (const Section* section : serving) read_section(scene, *section);
+  top.finish();
+  complaints.throw_if_any();
+  return config;
 }
 
 void apply_overrides(ConfigNode& root, const std::vector<std::string>& flags, Complaints& complaints) {

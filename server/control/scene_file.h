@@ -22,6 +22,11 @@ SceneConfig load_scene_file(const std::filesystem::path& path, const LoadOptions
 SceneConfig load_scene_text(const std::string& text, const std::filesystem::path& path,
                             const LoadOptions& options = {});
 
+/// What a program that serves without a scene needs: [server], [stream] and [http] as in a scene file, and
+/// nothing else of the one of that path (empty: none, and no HTTP unless a flag says so). Flags and
+/// environment count as in load_scene_file; a flag of another section is refused. Throws InputError.
+SceneConfig load_serving(const std::filesystem::path& path, const LoadOptions& options);
+
 /// Lays the environment (OBLIQ_RADAR_R_MAX_M and its like) and then the flags over a scene file's tree, each
 /// as a layer of its own. A flag is KEY=VALUE, for all radars, or NAME:KEY=VALUE, for the radar of that name.
 /// Values are TOML; texts need no quotes. Whatever its place, frustum.quality is laid before the other

@@ -37,6 +37,11 @@ std::vector<std::string> take_out_tilt(wire::Pose& message) {
   return names;
 }
 
+Hand hand_of(const Claims& claims, const Peer* peer) {
+  if (claims.taken(wire::kPoseClaim, peer) != 0) return Hand::operates;
+  return claims.taken(wire::kSettingsClaim, peer) != 0 ? Hand::flyer : Hand::alone;
+}
+
 void resolve_angles(Hand hand, NamedAngles named, bool has_heading, const PoseSettings& now,
                     PoseSettings& wanted) {
   if (!named.bearing && !named.heading) return;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "server/net/claims.h"
 #include "server/radar/settings.h"
 
 namespace obliq::wire {
@@ -22,6 +23,9 @@ enum class Hand {
   flyer,    ///< it holds the pose, another client the settings
   operates  ///< it holds the settings, another client the pose
 };
+
+/// What a client is beside the others; null: the operator's console.
+Hand hand_of(const Claims& claims, const Peer* peer);
 
 /// Which of the two angles a change names.
 struct NamedAngles {

@@ -7,40 +7,31 @@ namespace obliq::net {
 using wire::Claim;
 using wire::claim_bit;
 using wire::ClaimSet;
-
-namespace {
-
-/// Calls for each claim of a set, in the order of their numbers.
-template <typename Call>
-void each(ClaimSet claims, Call call) {
-  for (int i = 0; i < wire::kClaims; ++i)
-    if (const auto claim = static_cast<Claim>(i); claims & claim_bit(claim)) call(claim);
-}
-
-}  // namespace
+using wire::for_each_claim;
 
 ClaimSet Claims::of(const Peer& peer) const {
   ClaimSet held = 0;
-  for (int i = 0; i < wire::kClaims; ++i)
-    if (const auto claim = static_cast<Claim>(i); holder(claim) == &peer) held |= claim_bit(claim);
+  for_each_claim(wire::kEveryClaim, [&](Claim claim) {
+    if (holder(claim) == &peer) held |= claim_bit(claim);
+  });
   return held;
 }
 
 ClaimSet Claims::taken(ClaimSet claims, const Peer* by_other_than) const {
   ClaimSet others = 0;
-  each(claims, [&](Claim claim) {
+  for_each_claim(claims, [&](Claim claim) {
     if (holder(claim) != nullptr && holder(claim) != by_other_than) others |= claim_bit(claim);
   });
   return others;
 }
 
 void Claims::give(ClaimSet claims, Peer& peer) {
-  each(claims, [&](Claim claim) { holders_[static_cast<std::size_t>(claim)] = &peer; });
+  for_each_claim(claims, [&](Claim claim) { holders_[static_cast<std::size_t>(claim)] = &peer; });
 }
 
 ClaimSet Claims::release(ClaimSet claims, const Peer& peer) {
   const auto released = static_cast<ClaimSet>(claims & of(peer));
-  each(released, [&](Claim claim) { holders_[static_cast<std::size_t>(claim)] = nullptr; });
+  for_each_claim(released, [&](Claim claim) { holders_[static_cast<std::size_t>(claim)] = nullptr; });
   return released;
 }
 
@@ -48,7 +39,7 @@ std::string Claims::sentence(ClaimSet claims, const Peer* by_other_than) const {
   std::string text;
   for (ClaimSet left = taken(claims, by_other_than); left != 0;) {
     const Peer* other = nullptr;
-    each(left, [&](Claim claim) { other = other == nullptr ? holder(claim) : other; });
+    for_each_claim(left, [&](Claim claim) { other = other == nullptr ? holder(claim) : other; });
     const auto its = static_cast<ClaimSet>(left & of(*other));
     const std::string verb = its == wire::kPoseClaim ? " is" : " are";
     text +=

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "proto/obliq.pb.h"
 #include "server/net/exercise_radars.h"
 #include "server/net/requests.h"
@@ -32,12 +34,21 @@ std::vector<FieldError> Exercise::load(const wire::ExerciseState& state, const s
   for (const auto& part : parts_) append(errors, part->faults(state));
   if (!errors.empty()) return errors;
   for (const auto& part : parts_) part->take(state, by);
+  room_.log().loaded(state, by);
   spdlog::info("exercise: a state of {} radars loaded by {}", state.radars_size(), by);
   return {};
 }
 
 void Exercise::reset(const std::string& name, const std::string& by) {
   for (const auto& part : parts_) part->reset(name, by);
+  wire::ExerciseState all;
+  write(all);
+  if (!name.empty())
+    all.mutable_radars()->erase(
+        std::remove_if(all.mutable_radars()->begin(), all.mutable_radars()->end(),
+                       [&](const wire::RadarState& radar) { return radar.radar() != name; }),
+        all.mutable_radars()->end());
+  room_.log().reset(name, all, by);
   spdlog::info("exercise: {} reset to the scene file by {}", name.empty() ? "all" : "radar " + name, by);
 }
 
@@ -45,6 +56,7 @@ void Exercise::freeze(bool on, const std::string& by) {
   if (on == frozen_) return;
   frozen_ = on;
   for (const auto& part : parts_) part->freeze(on);
+  room_.log().froze(on, by);
   spdlog::info("exercise: {} by {}", on ? "frozen" : "goes on", by);
 }
 

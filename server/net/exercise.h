@@ -17,7 +17,7 @@ class Room;
 /// Of ExerciseState.version.
 constexpr unsigned kExerciseVersion = 1;
 
-/// One kind of what an exercise is made of.
+/// One kind of what an exercise is made of. What it changes by itself it notes in the room's ExerciseLog.
 class ExercisePart {
  public:
   virtual ~ExercisePart() = default;

@@ -80,11 +80,8 @@ ExerciseRadars::Wanted ExerciseRadars::read(const LiveRadar& radar, const wire::
 
 std::vector<FieldError> ExerciseRadars::faults_of(const Wanted& wanted) const {
   const RadarSettings& settings = wanted.config.settings;
-  const double max_rate_hz = room_.options().max_rate_hz;
   std::vector<FieldError> errors = validate(wanted.config);
-  if (!(wanted.rate_limit_hz >= 0 && wanted.rate_limit_hz <= max_rate_hz))
-    errors.push_back({"rate_limit_hz", std::to_string(wanted.rate_limit_hz),
-                      "0 (none) to " + std::to_string(max_rate_hz)});
+  if (auto fault = room_.rate_limit_fault(wanted.rate_limit_hz)) errors.push_back(std::move(*fault));
   if (errors.empty()) errors = room_.renderer().scene_faults(settings);
   if (errors.empty())
     if (const auto over = room_.over_live_limit(settings, wire::kAllPlanes)) errors.push_back(over->field);

@@ -4,6 +4,7 @@
 #include <future>
 #include <utility>
 
+#include "proto/obliq.pb.h"
 #include "server/control/planes_per_bin.h"
 #include "server/control/settings_message.h"
 #include "server/net/aim.h"
@@ -37,10 +38,18 @@ wire::ClaimSet claims_for(const PanelChange& change) {
   return claims;
 }
 
-/// What the console is beside the clients.
-Hand hand_of(const LiveRadar& radar) {
-  if (radar.claims.holder(wire::Claim::pose) != nullptr) return Hand::operates;
-  return radar.claims.holder(wire::Claim::settings) != nullptr ? Hand::flyer : Hand::alone;
+/// Of a pose, the fields that the change names.
+wire::Pose pose_message(const PanelChange& change, const PoseSettings& pose) {
+  wire::Pose all;
+  write_message(pose, all);
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  all.GetReflection()->ListFields(all, &fields);
+  for (const auto* field : fields)
+    if (std::ranges::none_of(change.settings, [&](const PanelChange::Setting& s) {
+          return s.parameter->message == WireMessage::pose && s.parameter->wire_field == field->name();
+        }))
+      all.GetReflection()->ClearField(&all, field);
+  return all;
 }
 
 }  // namespace
@@ -108,6 +117,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   bool new_settings = false;
   bool new_pose = false;
   NamedAngles named;
+  const Hand hand = hand_of(radar.claims, nullptr);
   std::vector<FieldError> errors;
   std::optional<OverLimit> over;
   const auto ends = [](const PanelChange::Setting& s) { return ends_velocity(*s.parameter); };
@@ -126,18 +136,18 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
     config.settings.beam.file = change.of_scene_file->pattern;
     new_settings = true;
   }
-  const double max_rate_hz = room_.options().max_rate_hz;
-  if (change.rate_limit_hz && !(*change.rate_limit_hz >= 0 && *change.rate_limit_hz <= max_rate_hz))
-    errors.push_back({"rate_limit_hz", std::to_string(*change.rate_limit_hz),
-                      "0 (none) to " + std::to_string(max_rate_hz)});
+  if (change.rate_limit_hz)
+    if (auto fault = room_.rate_limit_fault(*change.rate_limit_hz)) errors.push_back(std::move(*fault));
   if (new_settings || new_pose) append(errors, validate(config));
   if (new_settings && errors.empty()) errors = room_.renderer().scene_faults(config.settings);
   if (new_settings && errors.empty()) {
     over = room_.over_live_limit(config.settings, wire::kAllPlanes);
     if (over) errors.push_back(over->field);
   }
+  wire::Pose asked;
+  if (new_pose) asked = pose_message(change, config.pose);
   if (errors.empty() && new_pose) {
-    resolve_angles(hand_of(radar), named, radar.has_heading, radar.pose, config.pose);
+    resolve_angles(hand, named, radar.has_heading, radar.pose, config.pose);
     errors = room_.renderer().place(config.pose);
   }
   // What the ground decides shows as the radar's fault, as after a move.
@@ -146,10 +156,14 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   if (!errors.empty()) return {PanelVerdict::invalid, std::move(errors), std::move(over), {}};
 
   // Nothing is left that can be refused.
+  constexpr auto kConsole = "the operator's console";
+  const RadarSettings settings_before = radar.settings.current()->settings;
+  const PoseSettings pose_before = radar.pose;
+  const auto switches_before = ExerciseLog::switches_of(radar);
   Radars& radars = room_.radars();
   if (new_settings) (void)radar.settings.set(config.settings);
   radar.has_heading |= named.heading;
-  if (new_pose && hand_of(radar) == Hand::operates) {
+  if (new_pose && hand == Hand::operates) {
     radars.aim(radar, config.pose);
   } else if (new_pose) {
     (void)radars.take_pose(radar, config.pose, false);
@@ -157,8 +171,10 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   if (change.rate_limit_hz) radar.rate_limit_hz = *change.rate_limit_hz;
   if (new_settings || new_pose || change.clear_faults) radars.publish_view(radar);
   if (new_settings) radars.check_windows(radar);
-  constexpr auto kConsole = "the operator's console";
   radars.flip(radar, {change.transmit, change.freeze}, kConsole);
+  if (new_settings) room_.log().set(radar, settings_before, kConsole);
+  if (only_aims(asked)) room_.log().aimed(radar, pose_before, asked, kConsole);
+  room_.log().switched(radar, switches_before, kConsole);
   if (change.reset) room_.exercise().reset(radar.name, kConsole);
   if (change.exercise_freeze) room_.exercise().freeze(*change.exercise_freeze, kConsole);
   radars.update_demand(radar);

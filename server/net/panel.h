@@ -101,9 +101,10 @@ class Panel {
   /// Does not wait.
   void command(std::size_t radar, PanelChange change);
 
-  /// On the io thread: at once. The radar must be one of names().
+  // On the io thread, of a radar of names():
   /// What a reset brings back, from now on: another scene file has been read.
   void set_initial(const std::string& radar, const RadarConfig& config);
+  /// At once.
   PanelAnswer apply(const std::string& radar, const PanelChange& change);
 
  private:

@@ -59,15 +59,17 @@ class Peer {
   bool is_waiting() const { return !greeted && !has_left; }  ///< has not said Hello
 
   const std::uint64_t id;
-  const std::string host;     ///< "127.0.0.1"
-  const std::string address;  ///< "127.0.0.1:50000"
-  const bool takes_json;      ///< as the descriptors of all messages
-  std::string name;           ///< as shown to others: what it calls itself, and where it is
-  bool greeted = false;       ///< Hello has been answered
-  bool has_left = false;      ///< its connection has ended; the room forgets it soon
+  const std::string host;          ///< "127.0.0.1"
+  const std::string address;       ///< "127.0.0.1:50000"
+  const bool takes_json;           ///< as the descriptors of all messages
+  bool owes_replay_state = false;  ///< where a replay is has changed since this peer was told
+  std::string name;                ///< as shown to others: what it calls itself, and where it is
+  bool greeted = false;            ///< Hello has been answered
+  bool has_left = false;           ///< its connection has ended; the room forgets it soon
   Role role = Role::viewer;
   std::optional<TokenDigest> credential;  ///< its token, where tokens are configured
   Outbox outbox;
+  bool follows_events = false;  ///< hears of each event of the exercise
   int subscriptions = 0;
   std::vector<OnceRequestPtr> renders;  ///< not finished
   int queries = 0;                      ///< of the ground, not answered

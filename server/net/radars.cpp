@@ -7,6 +7,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/log/service_log.h"
+#include "server/net/exercise_log.h"
 #include "server/net/peer.h"
 #include "server/net/requests.h"
 #include "server/stream/frame_encoder.h"
@@ -23,8 +24,9 @@ constexpr std::chrono::seconds kFaultPause{1};
 
 }  // namespace
 
-Radars::Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render)
-    : options_(options), render_(render) {
+Radars::Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render,
+               ExerciseLog& log)
+    : options_(options), render_(render), log_(log) {
   for (const RadarConfig& config : radars) {
     const LiveRadar& radar = radars_.emplace_back(config, static_cast<std::uint32_t>(radars_.size() + 1));
     render_.add_radar(radar.name, radar.stream_id, radar.view());
@@ -107,7 +109,21 @@ void Radars::send_fault(const LiveRadar& radar, Peer& peer) const {
                        radar.faults, radar.name));
 }
 
+void Radars::claim(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
+  const wire::ClaimSet taken = take_over(radar, claims, by);
+  const auto fresh = static_cast<wire::ClaimSet>(claims & ~radar.claims.of(by));
+  if (fresh != 0) log_doing(by, radar.name, wire::claim_names(fresh) + " claimed by " + by.name);
+  radar.claims.give(fresh, by);
+  if (fresh != taken) log_.claimed(radar, static_cast<wire::ClaimSet>(fresh & ~taken), by.name);
+}
+
 wire::ClaimSet Radars::release(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer) {
+  const wire::ClaimSet released = end_claims(radar, claims, peer);
+  if (released != 0) log_.released(radar, released, peer.name);
+  return released;
+}
+
+wire::ClaimSet Radars::end_claims(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer) {
   const wire::ClaimSet released = radar.claims.release(claims, peer);
   if ((released & wire::kPoseClaim) == 0) return released;
   radar.has_heading = false;
@@ -118,12 +134,14 @@ wire::ClaimSet Radars::release(LiveRadar& radar, wire::ClaimSet claims, const Pe
   return released;
 }
 
-void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
-  for (int i = 0; i < wire::kClaims; ++i) {
-    Peer* holder = radar.claims.holder(static_cast<wire::Claim>(i));
-    if (holder == nullptr || holder == &by) continue;
-    const wire::ClaimSet taken = release(radar, claims, *holder);
-    if (taken == 0) continue;
+wire::ClaimSet Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
+  wire::ClaimSet all = 0;
+  wire::for_each_claim(claims, [&](wire::Claim claim) {
+    Peer* holder = radar.claims.holder(claim);
+    if (holder == nullptr || holder == &by) return;
+    const wire::ClaimSet taken = end_claims(radar, claims, *holder);
+    all |= taken;
+    log_.taken_over(radar, taken, holder->name, by.name);
     log_as_guest(*holder);
     log_as_guest(by);
     const std::string told =
@@ -131,7 +149,8 @@ void Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
     holder->send(MessageType::error, make_error(0, ErrorNumber::controlled_by_other, told, {}, radar.name));
     spdlog::warn("radar {}: {} takes {} from {}; give it a token of another role if it should not",
                  radar.name, by.name, wire::claim_names(taken), holder->name);
-  }
+  });
+  return all;
 }
 
 void Radars::forget(Peer& peer) {

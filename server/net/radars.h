@@ -11,11 +11,14 @@
 
 namespace obliq::net {
 
+class ExerciseLog;
+
 /// On the io thread.
 class Radars {
  public:
   /// The options and the render thread, to which the radars are added, must outlive this.
-  Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render);
+  Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render,
+         ExerciseLog& log);
 
   const std::deque<LiveRadar>& all() const { return radars_; }
   LiveRadar& at(std::size_t number) { return radars_.at(number); }
@@ -30,10 +33,10 @@ class Radars {
   /// Tells the watchers of a part of the radar's frame that is no longer there.
   void check_windows(LiveRadar& radar) const;
   void send_fault(const LiveRadar& radar, Peer& peer) const;
-  /// Takes from other clients, which are told, what they hold of that.
-  void take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
-  /// What of that the client held, it holds no longer. With the pose goes what its poses said of their
-  /// validity and their clock.
+  /// A client gets all of that; from other clients it is taken, and they are told.
+  void claim(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
+  /// What of that the client held, it holds no longer; the log has it. With the pose goes what its poses said
+  /// of their validity and their clock.
   wire::ClaimSet release(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer);
   /// A client has left: its subscriptions end, control is released.
   void forget(Peer& peer);
@@ -68,6 +71,8 @@ class Radars {
 
  private:
   void tell_places() const;
+  wire::ClaimSet take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
+  wire::ClaimSet end_claims(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer);
   /// The render thread keeps the settings and the pose of this moment.
   void hold_view(const LiveRadar& radar);
   /// A subscription that held the radar up gets its newest frames from now on.
@@ -75,6 +80,7 @@ class Radars {
 
   const ServerOptions& options_;
   RenderThread& render_;
+  ExerciseLog& log_;
   std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
   std::uint64_t last_watch_id_ = 0;
   bool held_ = false;  ///< by hold()

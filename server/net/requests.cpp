@@ -175,6 +175,10 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::load_exercise);
     case MessageType::set_exercise:
       return answer(descriptor, &Requests::set_exercise);
+    case MessageType::get_events:
+      return answer(descriptor, &Requests::get_events);
+    case MessageType::add_bookmark:
+      return answer(descriptor, &Requests::add_bookmark);
     default:  // of a later minor version, or not for a server: skipped
       return;
   }
@@ -219,9 +223,8 @@ void Requests::get_radar(const wire::GetRadar& request) {
   write_message(radar->pose, *info.mutable_pose());
   const wire::ClaimSet mine = radar->claims.of(peer_);
   info.set_controlled_by_you((mine & wire::kPoseClaim) != 0);
-  for (int i = 0; i < wire::kClaims; ++i)
-    if ((mine & claim_bit(static_cast<wire::Claim>(i))) != 0)
-      info.add_claimed_by_you(static_cast<wire::ClaimKind>(i));
+  wire::for_each_claim(
+      mine, [&](wire::Claim claim) { info.add_claimed_by_you(static_cast<wire::ClaimKind>(claim)); });
   info.set_exercise_frozen(room_.exercise().is_frozen());
   write_condition(*radar, info);
   peer_.send(MessageType::radar_info, info);
@@ -244,6 +247,7 @@ void Requests::set_settings(const wire::SetSettings& request) {
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "settings refused", errors);
   const auto outcome = radar->settings.set(candidate);
   room_.radars().publish_view(*radar);
+  room_.log().set(*radar, before->settings, peer_.name);
   acknowledge(outcome.published->version);
   room_.radars().check_windows(*radar);
 }

@@ -33,6 +33,8 @@ class ResetExercise;
 class GetExercise;
 class LoadExercise;
 class SetExercise;
+class GetEvents;
+class AddBookmark;
 class RadarStatus;
 class Pose;
 }  // namespace obliq::wire
@@ -106,6 +108,8 @@ class Requests {
   void get_exercise(const wire::GetExercise& request);
   void load_exercise(const wire::LoadExercise& request);
   void set_exercise(const wire::SetExercise& request);
+  void get_events(const wire::GetEvents& request);
+  void add_bookmark(const wire::AddBookmark& request);
 
   /// Whether it has to come after requests that are kept; or it is refused, because they are too many.
   bool comes_later();
@@ -126,8 +130,10 @@ class Requests {
   LiveRadar* claimed_radar(const std::string& name);
   /// False after a refusal: this peer does not hold all of that.
   bool demand_claims(const LiveRadar& radar, wire::ClaimSet claims);
-  /// The same of all radars; an admin has them where the request says so.
-  bool demand_all_claims();
+  /// The same of one radar, or of all (null); an admin has them where the request says so.
+  bool demand_exercise(const LiveRadar* one);
+  /// In place of seek_bookmark, the time that it stands for.
+  std::vector<FieldError> find_bookmark(wire::SetReplay& request);
   /// SetPose of the peer that flies the radar, and of one that only turns its antenna. The Ack follows.
   void fly(LiveRadar& radar, const wire::Pose& message);
   void aim(LiveRadar& radar, const wire::Pose& message);

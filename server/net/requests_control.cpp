@@ -147,12 +147,8 @@ void Requests::claim_control(const wire::ClaimControl& request) {
       return refuse(ErrorNumber::controlled_by_other,
                     "radar " + radar->name + ": " + radar->claims.sentence(*wanted, &peer_));
     if (!demand(Role::admin, "taking control over")) return;
-    room_.radars().take_over(*radar, *wanted, peer_);
   }
-  const wire::ClaimSet held = radar->claims.of(peer_);
-  if (const auto fresh = static_cast<wire::ClaimSet>(*wanted & ~held))
-    log_doing(peer_, radar->name, wire::claim_names(fresh) + " claimed by " + peer_.name);
-  radar->claims.give(*wanted, peer_);
+  room_.radars().claim(*radar, *wanted, peer_);
   acknowledge(radar->settings.current()->version);
 }
 
@@ -173,7 +169,9 @@ void Requests::set_state(const wire::SetState& request) {
   RadarSwitches wanted;
   if (request.has_transmit()) wanted.transmit = request.transmit();
   if (request.has_freeze()) wanted.freeze = request.freeze();
+  const auto before = ExerciseLog::switches_of(*radar);
   room_.radars().flip(*radar, wanted, peer_.name);
+  room_.log().switched(*radar, before, peer_.name);
   acknowledge(radar->settings.current()->version);
 }
 
@@ -183,7 +181,9 @@ void Requests::set_replay(const wire::SetReplay& request) {
         ErrorNumber::not_a_replay,
         "this server's radars are live: pause, speed and seek are for a server that replays a recording "
         "(obliq replay FILE --serve)");
-  const std::vector<FieldError> errors = room_.replay()->set(request);
+  wire::SetReplay place = request;
+  std::vector<FieldError> errors = find_bookmark(place);
+  if (errors.empty()) errors = room_.replay()->set(place);
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "replay refused", errors);
   acknowledge();
 }

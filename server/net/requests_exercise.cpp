@@ -1,4 +1,6 @@
 // Requests about the whole exercise.
+#include <algorithm>
+
 #include "proto/obliq.pb.h"
 #include "server/net/exercise.h"
 #include "server/net/peer.h"
@@ -10,19 +12,17 @@ namespace obliq::net {
 
 using wire::ErrorNumber;
 
-bool Requests::demand_all_claims() {
+bool Requests::demand_exercise(const LiveRadar* one) {
   if (peer_.role == Role::admin && right_->admin_always) return true;
-  for (const LiveRadar& radar : room_.radars().all())
-    if (!demand_claims(radar, right_->claims)) return false;
-  return true;
+  return std::ranges::all_of(room_.radars().all(), [&](const LiveRadar& radar) {
+    return (one != nullptr && one != &radar) || demand_claims(radar, right_->claims);
+  });
 }
 
 void Requests::reset_exercise(const wire::ResetExercise& request) {
-  const bool all = request.radar().empty();
-  const LiveRadar* radar = all ? nullptr : radar_of(request.radar());
-  if (!all && radar == nullptr) return;
-  const bool may = peer_.role == Role::admin && right_->admin_always;
-  if (!may && !(all ? demand_all_claims() : demand_claims(*radar, right_->claims))) return;
+  const LiveRadar* one = request.radar().empty() ? nullptr : radar_of(request.radar());
+  if (one == nullptr && !request.radar().empty()) return;  // refused
+  if (!demand_exercise(one)) return;
   room_.exercise().reset(request.radar(), peer_.name);
   acknowledge();
 }
@@ -35,14 +35,14 @@ void Requests::get_exercise(const wire::GetExercise& /*request*/) {
 }
 
 void Requests::load_exercise(const wire::LoadExercise& request) {
-  if (!demand_all_claims()) return;
+  if (!demand_exercise(nullptr)) return;
   const std::vector<FieldError> errors = room_.exercise().load(request.state(), peer_.name);
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "state refused", errors);
   acknowledge();
 }
 
 void Requests::set_exercise(const wire::SetExercise& request) {
-  if (!demand_all_claims()) return;
+  if (!demand_exercise(nullptr)) return;
   if (request.has_frozen()) room_.exercise().freeze(request.frozen(), peer_.name);
   acknowledge();
 }

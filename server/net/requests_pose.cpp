@@ -48,7 +48,7 @@ void Requests::set_pose(const wire::SetPose& request) {
 
 void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
   const Peer* other = radar.claims.holder(Claim::settings);
-  const Hand hand = other == nullptr || other == &peer_ ? Hand::alone : Hand::flyer;
+  const Hand hand = hand_of(radar.claims, &peer_);
   wire::Pose taken = message;
   std::vector<std::string> warnings;
   const bool has_heading = radar.has_heading || message.has_heading_deg();
@@ -69,8 +69,10 @@ void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
   }
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
   if (message.new_time_line()) radar.poses->restart();
+  const PoseSettings before = radar.pose;
   if (room_.radars().move(radar, pose, message.has_sim_time_ns())) {
     radar.has_heading = has_heading;
+    if (only_aims(taken)) room_.log().aimed(radar, before, taken, peer_.name);
   } else {
     warnings.push_back("sim_time_ns: found " + std::to_string(pose.sim_time_ns) + " after " +
                        std::to_string(radar.pose.sim_time_ns) +
@@ -89,12 +91,13 @@ void Requests::aim(LiveRadar& radar, const wire::Pose& message) {
   std::vector<FieldError> errors = merge_message(message, pose);
   append(errors, validate(pose));
   if (errors.empty()) {
-    const Hand hand = radar.claims.holder(Claim::pose) != nullptr ? Hand::operates : Hand::alone;
-    resolve_angles(hand, angles_of(message), radar.has_heading, radar.pose, pose);
+    resolve_angles(hand_of(radar.claims, &peer_), angles_of(message), radar.has_heading, radar.pose, pose);
     errors = pose_faults(room_, radar, pose);
   }
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
+  const PoseSettings before = radar.pose;
   room_.radars().aim(radar, pose);
+  room_.log().aimed(radar, before, message, peer_.name);
   acknowledge_pose(radar, {});
 }
 

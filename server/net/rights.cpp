@@ -30,6 +30,8 @@ constexpr std::array kRights{
     Right{MessageType::reset_exercise, "ResetExercise", Role::controller, kBoth, true},
     Right{MessageType::load_exercise, "LoadExercise", Role::controller, kBoth, true},
     Right{MessageType::set_exercise, "SetExercise", Role::controller, kBoth, true},
+    Right{MessageType::get_events, "GetEvents"},
+    Right{MessageType::add_bookmark, "AddBookmark", Role::controller},
 };
 
 }  // namespace

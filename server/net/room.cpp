@@ -31,9 +31,12 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
               {.threads = options_.render_threads,
                .slice_bytes = options_.slice_bytes,
                .live_frames = options_.live_frames}),
-      radars_(options_, radars, render_) {
+      radars_(options_, radars, render_, log_) {
   set_limits(options_);
   if (!options_.security) options_.security = std::make_shared<Security>();
+  log_.on_event([this](const wire::ExerciseEvent& event) { tell_event(event); });
+  if (replay() != nullptr)
+    replay()->each_event([this](const wire::ExerciseEvent& event) { log_.note(event); });
   if (replay() != nullptr) replay()->on_change([this] { post_([this] { tell_replay_state(); }); });
 }
 
@@ -49,10 +52,24 @@ void Room::watchers_changed(bool newcomer) {
 }
 
 void Room::tell_replay_state() {
+  for (const auto& peer : peers_) {
+    peer->owes_replay_state = peer->greeted;
+    if (peer->greeted) peer->kick();
+  }
+}
+
+void Room::tell_news(Peer& peer) {
+  if (!std::exchange(peer.owes_replay_state, false)) return;
   wire::ReplayState state;
   replay()->write_state(state);
+  peer.send(MessageType::replay_state, state);
+}
+
+void Room::tell_event(const wire::ExerciseEvent& event) {
+  wire::ExerciseEvents one;
+  *one.add_events() = event;
   for (const auto& peer : peers_)
-    if (peer->greeted) peer->send(MessageType::replay_state, state);
+    if (peer->follows_events) peer->send(MessageType::exercise_events, one);
 }
 
 void Room::finish() {
@@ -254,6 +271,12 @@ std::optional<OverLimit> Room::over_live_limit(const RadarSettings& settings, wi
   const FrameCost cost = renderer_.fixed().empty() ? live_cost(settings, planes, options_)
                                                    : replay_cost(settings, planes, options_);
   return over_limit(settings, cost, cost_queued().bytes, options_);
+}
+
+std::optional<FieldError> Room::rate_limit_fault(double rate_hz) const {
+  if (rate_hz >= 0 && rate_hz <= options_.max_rate_hz) return std::nullopt;
+  return FieldError{"rate_limit_hz", std::to_string(rate_hz),
+                    "0 (none) to " + std::to_string(options_.max_rate_hz)};
 }
 
 void Room::render_once(Peer& peer, const OnceRequestPtr& request) {

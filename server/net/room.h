@@ -13,6 +13,7 @@
 
 #include "server/ground_query/query_thread.h"
 #include "server/net/exercise.h"
+#include "server/net/exercise_log.h"
 #include "server/net/options.h"
 #include "server/net/radars.h"
 #include "server/net/request_limits.h"
@@ -34,6 +35,8 @@ class Room : private RenderEvents {
   const FrameRenderer& renderer() const { return renderer_; }
   Radars& radars() { return radars_; }
   Exercise& exercise() { return exercise_; }
+  /// Who changed what, when.
+  ExerciseLog& log() { return log_; }
   Clock::duration uptime() const { return Clock::now() - started_; }
   RoomStatistics statistics() const;
   /// See Server::set_limits.
@@ -79,6 +82,9 @@ class Room : private RenderEvents {
   void handle(Peer& peer, wire::MessageType type, std::span<const std::byte> descriptor);
   /// A block has left the peer's outbox.
   void taken(Peer& peer, const Block& block);
+  /// A peer is about to be sent its next message: what it is to hear only the newest of goes behind those
+  /// that wait. However fast news comes, one a message written is queued.
+  void tell_news(Peer& peer);
   /// Queues a checked request; gives it its client and its stream.
   void render_once(Peer& peer, const OnceRequestPtr& request);
   /// Asks the render thread. When it has answered, the peer's kept requests are handled from the first on.
@@ -93,6 +99,8 @@ class Room : private RenderEvents {
   void watchers_changed(bool newcomer);
   /// What limit a live radar of such settings would exceed, watched with such planes.
   std::optional<OverLimit> over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const;
+  /// Why an operator may not limit a radar to such a rate.
+  std::optional<FieldError> rate_limit_fault(double rate_hz) const;
 
  private:
   std::shared_ptr<Peer> shared_peer(std::uint64_t client_id) const;
@@ -104,6 +112,7 @@ class Room : private RenderEvents {
   void handle_kept(const std::shared_ptr<Peer>& peer, const std::vector<FieldError>& faults);
   void finish_render(Peer& peer, std::uint32_t stream_id);
   void tell_replay_state();
+  void tell_event(const wire::ExerciseEvent& event);
   void stopped_if_empty();
 
   void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) override;
@@ -128,7 +137,8 @@ class Room : private RenderEvents {
   bool stopping_ = false;
   std::uint64_t frames_dropped_ = 0;  ///< by clients that have left
   std::size_t bytes_freed_ = 0;       ///< that waited for clients that left, since memory was last given back
-  RenderThread render_;               ///< ended before the radars go, to which it reports
+  ExerciseLog log_;
+  RenderThread render_;  ///< ended before the radars go, to which it reports
   Radars radars_;
   QueryThread queries_;
   Exercise exercise_{*this};

@@ -163,8 +163,12 @@ void Server::run() {
 
 Security::Reloaded Server::reload_security() {
   Security::Reloaded reloaded = state_->room->options().security->reload();
-  asio::post(state_->io, [this] { state_->room->check_credentials(); });
+  check_credentials();
   return reloaded;
+}
+
+void Server::check_credentials() {
+  asio::post(state_->io, [this] { state_->room->check_credentials(); });
 }
 
 void Server::start(std::function<void()> stopped) {

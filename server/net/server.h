@@ -60,6 +60,8 @@ class Server {
   /// Reads certificate, key and tokens again: new connections use them, clients whose token is gone are told
   /// and closed, roles change. A faulty file leaves the old content in force. From any thread.
   Security::Reloaded reload_security();
+  /// The part of that which concerns the clients, where several servers share one Security. From any thread.
+  void check_credentials();
 
   /// On the io thread.
   RoomStatistics statistics() const;

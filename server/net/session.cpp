@@ -284,6 +284,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
 
   asio::awaitable<void> write_outbox() {
     while (phase_ != Phase::closed) {
+      if (phase_ < Phase::ending) room_->tell_news(*this);
       const BlockPtr block = outbox.pop();
       if (!block) {
         if (phase_ == Phase::ending) break;

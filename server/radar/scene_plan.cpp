@@ -152,10 +152,6 @@ bool needs_tracer(const Scene& scene, FrustumKind frustum) {
   return scene.rays() == RayMethod::embree || !scene.world().buildings.list.empty();
 }
 
-int sweep_columns_per_bin(const RadarSettings& settings) {
-  return (settings.pixel_columns + settings.azimuth_bins - 1) / settings.azimuth_bins;
-}
-
 ScenePlanResult plan_scene(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
                            const Pose& pose, bool is_coherent_sum, const BeamWidths* widths) {
   ScenePlanResult result;

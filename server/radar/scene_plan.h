@@ -42,9 +42,6 @@ void check_elevation(const BeamSettings& beam, double tilt_deg, std::vector<Fiel
 /// Whether frames may need scene.tracer(): for all rays, or for those that come near buildings.
 bool needs_tracer(const Scene& scene, FrustumKind frustum);
 
-/// Columns that the sweep cuts an azimuth bin into.
-int sweep_columns_per_bin(const RadarSettings& settings);
-
 /// Which buildings have been seen. Marked from several threads at once.
 class SeenBuildings {
  public:

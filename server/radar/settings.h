@@ -80,6 +80,11 @@ std::vector<std::string> flat_plates(const std::vector<Material>& materials);
 std::vector<FieldError> flat_plate_faults(const RadarSettings& settings,
                                           const std::vector<Material>& materials);
 
+/// Columns that the sweep cuts an azimuth bin into.
+inline int sweep_columns_per_bin(const RadarSettings& s) {
+  return (s.pixel_columns + s.azimuth_bins - 1) / s.azimuth_bins;
+}
+
 /// Bins are sums over neighbouring sharp ones: of azimuths, of ranges.
 inline bool blurs(const RadarSettings& s) {
   return s.beam.pattern != BeamPattern::off || s.pulse.kind != PulseKind::off;

@@ -32,7 +32,7 @@ LiveStream::LiveStream(RenderContext& context, std::size_t radar, std::string na
 void LiveStream::set_view(LiveView view) {
   const std::lock_guard lock(mutex_);
   view_ = std::make_shared<const LiveView>(std::move(view));
-  if (!held_since_) return;
+  if (!held_since_ || wants_scan(*view_)) return;
   for (Demand& demand : demands_) demand.due = {};
 }
 
@@ -42,6 +42,8 @@ void LiveStream::hold(bool on) {
   const auto now = context_.now();
   if (on) {
     held_since_ = now;
+    if (wants_scan(*view_))
+      for (Demand& demand : demands_) demand.due = now;  // they see the pass that stands
     return;
   }
   pause_ += now - *std::exchange(held_since_, std::nullopt);
@@ -54,8 +56,12 @@ LiveStream::Time::duration LiveStream::take_pause() {
 }
 
 bool LiveStream::stands_still() const {
-  if (!held_since_) return false;
-  return wants_scan(*view_) || std::ranges::all_of(demands_, &Demand::is_served);
+  return held_since_ && std::ranges::all_of(demands_, &Demand::is_served);
+}
+
+bool LiveStream::wants_still() const {
+  const std::lock_guard lock(mutex_);
+  return rate_hz_ > 0 && held_since_ && wants_scan(*view_) && !stands_still();
 }
 
 void LiveStream::set_demand(std::vector<Demand> demands) {
@@ -168,7 +174,8 @@ std::stop_token LiveStream::new_stop() {
 
 std::optional<LiveStream::Start> LiveStream::begin_frame(Time now) {
   const std::lock_guard lock(mutex_);
-  if (stopped_ || rate_hz_ <= 0 || wants_scan(*view_) || stands_still()) return std::nullopt;
+  if (stopped_ || rate_hz_ <= 0 || (wants_scan(*view_) && !held_since_) || stands_still())
+    return std::nullopt;
   const FrameDates::Taken date = dates_.take(now, period_of(rate_hz_), sheds_none());
   Start start;
   start.demands = take_due(demands_, now, held_since_.has_value());
@@ -193,7 +200,7 @@ void LiveStream::give_back(const Start& start, Time now) {
 
 std::optional<LiveStream::Start> LiveStream::begin_dwell() {
   const std::lock_guard lock(mutex_);
-  if (stopped_ || rate_hz_ <= 0 || !wants_scan(*view_) || stands_still()) return std::nullopt;
+  if (stopped_ || rate_hz_ <= 0 || !wants_scan(*view_) || held_since_) return std::nullopt;
   return Start{view_, demands_, 0, new_stop()};
 }
 

@@ -33,7 +33,8 @@ class LiveStream {
   /// None: no client watches; a frame in hand is given up.
   void set_demand(std::vector<Demand> demands);
   /// On: time stands still. What has begun goes on to its end, a pass to the end of its dwell; then each
-  /// client gets one frame of the view that is set next, and nothing else begins. Off: a pass goes on where
+  /// client gets one frame of the view that is set next, and nothing else begins. Of a radar that scans, the
+  /// clients that watch keep what they have, and those that come get such a frame. Off: a pass goes on where
   /// it was.
   void hold(bool on);
   /// The frame in hand is given up, and no further one begins.
@@ -57,6 +58,8 @@ class LiveStream {
   bool is_watched() const;
   /// Passes of a scan are wanted, not whole frames.
   bool wants_scan() const;
+  /// It is held in a scan, and a client has come since.
+  bool wants_still() const;
 
   /// Not empty: nothing begins before that date, because no client watches or the radar cannot be rendered as
   /// it is.

@@ -125,7 +125,7 @@ std::optional<RenderThread::Turn> RenderThread::choose(Time now, Time& next_due)
   std::vector<Job*> jobs;
   context_.scanning = false;
   for (Radar& radar : radars_) {
-    const bool scans = radar.stream.wants_scan();
+    const bool scans = radar.stream.wants_scan() && !radar.stream.wants_still();
     jobs.push_back(scans && !radar.frames.has_begun() ? static_cast<Job*>(&radar.scan) : &radar.frames);
     context_.scanning |= scans && !context_.finishing;
   }

@@ -6,6 +6,7 @@
 #include "terrain/base/errors.h"
 
 namespace obliq::wire {
+class ExerciseEvent;
 class ReplayState;
 class SetReplay;
 }  // namespace obliq::wire
@@ -20,6 +21,10 @@ class ReplayControl {
   /// What is wrong with a wish; empty: it holds from now on, for all of its fields.
   virtual std::vector<FieldError> set(const wire::SetReplay& wish) = 0;
   virtual void write_state(wire::ReplayState& state) const = 0;
+  /// The log of the exercise that was recorded, in its order.
+  virtual void each_event(const std::function<void(const wire::ExerciseEvent&)>& call) const = 0;
+  /// A bookmark was set at the place where the replay is.
+  virtual void keep(const wire::ExerciseEvent& bookmark) = 0;
   /// How many clients watch has changed: time flows while one does. newcomer: one of them has seen nothing
   /// yet; while time stands still it is shown what the others see.
   virtual void watched(bool by_anyone, bool newcomer) = 0;

@@ -7,6 +7,8 @@ namespace obliq {
 
 constexpr double kDegree_rad = std::numbers::pi / 180;
 
+constexpr double kFoot_m = 0.3048;  // the international foot, exact: NIST SP 811, appendix B
+
 /// Mean earth radius R1 of WGS84 (IUGG). For estimates and spacings; positions use the ellipsoid.
 constexpr double kMeanEarthRadius_m = 6371008.8;
 

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cctype>
 
+#include "terrain/base/units.h"
 #include "terrain/buildings/height_text.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kFoot_m = 0.3048;
 
 /// Half of the buildings of a town are houses of one or two storeys. Only the core of a large city has a
 /// median above this: 9 m in San Francisco, 5 m in Venice, Los Angeles, in the outlines that we tried, which

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <string>
 
+#include "terrain/base/units.h"
+
 namespace obliq {
 namespace {
 
-constexpr double kFoot_m = 0.3048;
 constexpr double kInch_m = 0.0254;
 
 void skip_spaces(std::string_view& text) {

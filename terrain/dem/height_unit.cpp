@@ -8,10 +8,11 @@
 #include <cmath>
 #include <map>
 
+#include "terrain/base/units.h"
+
 namespace obliq {
 namespace {
 
-constexpr double kInternationalFoot_m = 0.3048;    // exact, 1959 agreement
 constexpr double kSurveyFoot_m = 1200.0 / 3937.0;  // exact, Mendenhall order of 1893
 
 std::string lower(std::string text) {
@@ -46,11 +47,11 @@ double metres_of(const std::string& name) {
       {"km", 1000},
       {"kilometre", 1000},
       {"kilometer", 1000},
-      {"ft", kInternationalFoot_m},
-      {"foot", kInternationalFoot_m},
-      {"feet", kInternationalFoot_m},
-      {"international foot", kInternationalFoot_m},
-      {"international feet", kInternationalFoot_m},
+      {"ft", kFoot_m},
+      {"foot", kFoot_m},
+      {"feet", kFoot_m},
+      {"international foot", kFoot_m},
+      {"international feet", kFoot_m},
       {"us ft", kSurveyFoot_m},
       {"ftus", kSurveyFoot_m},
       {"ft us", kSurveyFoot_m},
@@ -77,7 +78,7 @@ bool says_nothing(const std::string& name) {
 
 HeightUnit height_unit(const Raster& raster, const std::optional<VerticalUnit>& unit) {
   if (unit == VerticalUnit::metre) return {1, "m", false};
-  if (unit == VerticalUnit::foot) return {kInternationalFoot_m, "ft", false};
+  if (unit == VerticalUnit::foot) return {kFoot_m, "ft", false};
   if (unit == VerticalUnit::us_survey_foot) return {kSurveyFoot_m, "us_ft", false};
   const std::string name = raster.band().GetUnitType();
   if (name.empty()) {

@@ -78,6 +78,20 @@ int main(int argc, char** argv) {
   obliq_ground ground[2];
   said(client, "query", obliq_query(client, radar, 2, latitude, longitude, NULL, ground));
   printf("ground %d %.3f seen %d, %d\n", ground[0].is_known, ground[0].height_m, ground[0].is_seen, ground[1].is_known);
+
+  obliq_event event;
+  uint64_t number = 0;
+  int events = -1;
+  said(client, "bookmark", obliq_bookmark(client, "from C"));
+  said(client, "no bookmark", obliq_bookmark(client, ""));
+  do {
+    if (said(client, "event", obliq_next_event(client, number, &event))) return 1;
+    ++events;
+    if (event.number != 0) number = event.number;
+    if (event.kind == 10) printf("%s by %.1s of %s.\n", event.text, event.by, event.radar);
+  } while (event.number != 0);
+  printf("events %d\n", events);
+  said(client, "no replay", obliq_go_to_event(client, 1));
   said(client, "release", obliq_release(client, radar));
   said(client, "unknown radar", obliq_claim(client, NULL, 0));
   obliq_close(client);

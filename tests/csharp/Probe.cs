@@ -53,6 +53,11 @@ static class Probe
             var alike = await stream.RenderAsLiveAsync(radar, new Fields().Add("bearing_deg", 5.0), new Fields().Add("azimuth_bins", 16L), "STATE");
             Console.WriteLine("as live " + alike.AzimuthBins + " " + alike.RangeBins + " " + alike.Descriptor.settings.pixel_columns + " " +
                               alike.Descriptor.settings.r_max_m + " " + alike.Descriptor.pose.bearing_deg);
+            await stream.BookmarkAsync("sch\u00f6n \"here\"");
+            var marks = (await stream.GetEventsAsync()).Where(e => e.kind == "BOOKMARK_EVENT").ToList();
+            Console.WriteLine("marks " + marks.Count + " " + (marks[0].text == "sch\u00f6n \"here\"") + " " + marks[0].by.StartsWith("probe"));
+            try { await stream.BookmarkAsync(""); }
+            catch (ObliqException e) { Console.WriteLine(e.Message); }
             try { await stream.SetPoseAsync(radar, new Fields().Add("latitude_deg", 95.0).Add("bearing_deg", double.NaN)); }
             catch (ObliqException e) { Console.WriteLine(e.Message); }
             try { await stream.SetPoseAsync(radar, new Fields().Add("bering_deg", 1.0)); }

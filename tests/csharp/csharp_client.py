@@ -55,7 +55,8 @@ NOT_SENT = [("azimuth_bins", "1.5", WHOLE32), ("range_bins", "4294967295", WHOLE
 # Two frames of 36 azimuths and three planes.
 EXPECTED = ["rows kept for late takers 216", "refused 103", "bearing 0 pose_id 9007199254740993 mine True", "settings 2 6000",
             *(line for fault in NOT_SENT for line in ("obliq error 100: not sent", "  %s: found %s; allowed: %s" % fault)),
-            "integers 40 2500 True", "knobs 0 false OFF_BEAM 2 100000000000000000", "as live 16 32 32 6000 5", "obliq error 100: pose refused",
+            "integers 40 2500 True", "knobs 0 false OFF_BEAM 2 100000000000000000", "as live 16 32 32 6000 5", "marks 1 True True", "obliq error 100: bookmark refused",
+            "  text: found 0 bytes; allowed: 1 to 1000 bytes of text without control characters", "obliq error 100: pose refused",
             "  antenna.latitude_deg: found 95.0; allowed: number -90 to 90 deg",
             "  antenna.bearing_deg: found nan; allowed: number -360 to 360 deg"]
 

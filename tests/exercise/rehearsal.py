@@ -14,6 +14,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "client" / "python" / "src"), str(ROOT / "tests" / "python")]
 import obliq  # noqa: E402
+from obliq import obliq_pb2 as wire  # noqa: E402
 from fly_test import RESUME, STOP, entity_state, order  # noqa: E402
 
 GROUP, LOOPBACK = "239.255.77.9", "127.0.0.1"
@@ -133,6 +134,10 @@ class Host(threading.Thread):
             pass
 
 
+def knobs(radar):
+    return radar.settings, radar.pose.tilt_deg, radar.transmit_off, radar.frozen
+
+
 class Exercise:
     def __init__(self, programs, folder, unit_s):
         self.programs, self.folder, self.unit_s = programs, folder, unit_s
@@ -140,7 +145,7 @@ class Exercise:
         self.address = f"{LOOPBACK}:{self.port}"
         self.scene = folder / "scene.toml"
         self.scene.write_text(SCENE % (self.modbus_port, self.port))
-        self.settings, self.refusals, self.killed = 0, [], 0
+        self.settings, self.refusals, self.bookmarks = 0, [], []
         self.serve()
 
     def start(self, name, *words, program="obliq"):
@@ -200,9 +205,21 @@ class Exercise:
             self.settings += 1
             time.sleep(min(1.0, self.unit_s / 8))
 
+    def bookmark(self, text):
+        self.obliq("bookmark", text)
+        self.bookmarks.append(text)
+
     def state(self):
         with obliq.connect(self.address) as server:
             return server.exercise()
+
+    def knobs_are_free(self):
+        with obliq.connect(self.address) as server:
+            return not any(server.radar(radar).info().settings_controller for radar in RADARS)
+
+    def log(self):
+        with obliq.connect(self.address) as server:
+            return server.events()
 
     def rehearse(self):
         simulator, host = Simulator(self.dis_port), Host(self.address)
@@ -212,13 +229,15 @@ class Exercise:
         host.start()
         until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "flights")
         self.operate(2 * self.unit_s)
+        self.bookmark("before the pause")
         # A pause of all that fly.
         simulator.flies, host.pauses = False, True
         simulator.send(order(STOP))
         until(lambda: self.state().radars[0].frozen and self.state().radars[1].frozen, "radars that are frozen by Stop/Freeze")
         time.sleep(self.unit_s)
         simulator.send(order(RESUME, (65535, 65535, 65535)))
-        until(lambda: not self.state().radars[0].frozen, "radars that go on")
+        until(lambda: not any(radar.frozen for radar in self.state().radars), "radars that go on")
+        until(self.knobs_are_free, "knobs that the flights let go")  # they held them to freeze and to thaw
         simulator.flies, host.pauses, host.settles = True, False, time.monotonic() + 0.2
         self.operate(self.unit_s)
         for rate, resets in ((1.0, True), (10.0, False), (1.0, False), (0.5, False)):
@@ -234,6 +253,7 @@ class Exercise:
         again = self.state()
         same = [was.settings == now.settings for was, now in zip(saved.radars, again.radars)]
         self.obliq("freeze", "off")
+        self.bookmark("before server and host are killed")
         host.settles = time.monotonic() + 1
         # Server and host are killed; all that were there come back by themselves, the host by hand.
         self.server.kill()
@@ -242,19 +262,54 @@ class Exercise:
         flights["map"].wait()
         self.serve()
         flights["map"] = self.fly("map")
-        self.killed = 1
         self.obliq("load", self.folder / "state.toml")
         until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "flights after the restart")
         self.operate(2 * self.unit_s)
+        self.bookmark("the end")
+        time.sleep(0.5)  # the recorders write it
         simulator.ends.set()
         host.ends.set()
         host.join(20)
         for program in (*flights.values(), *recorders):
             program.send_signal(signal.SIGINT)
         codes = [program.wait(30) for program in (*flights.values(), *recorders)]
+        log, ended = self.log(), self.state()
+        self.stop()
+        self.serve()
+        equal = self.again(log, ended)
+        self.stop()
+        return host, same, codes, equal
+
+    def stop(self):
         self.server.send_signal(signal.SIGTERM)
         self.server.wait(30)
-        return host, same, codes
+
+    def again(self, log, ended):
+        """Whether a log, done again on a server that has just begun, gives the knobs that the exercise ended with."""
+        with obliq.connect(self.address, name="log") as server:
+            def act(request):
+                server._run(server._session.act(request))
+
+            for radar in RADARS:
+                act(wire.ClaimControl(radar=radar, kinds=[wire.SETTINGS_CLAIM]))
+            for event in log:
+                if event.kind == wire.SETTINGS_EVENT:
+                    act(wire.SetSettings(radar=event.radar, settings=event.settings))
+                elif event.kind == wire.AIM_EVENT:
+                    act(wire.SetPose(radar=event.radar, pose=event.pose))
+                elif event.kind == wire.SWITCH_EVENT and (event.HasField("transmit") or event.HasField("freeze")):
+                    act(wire.SetState(radar=event.radar, transmit=event.transmit if event.HasField("transmit") else None,
+                                      freeze=event.freeze if event.HasField("freeze") else None))
+                elif event.kind == wire.LOAD_EVENT:
+                    server.load_exercise(event.state)
+                elif event.kind == wire.RESET_EVENT:
+                    server.reset_exercise(event.radar)
+                elif event.kind == wire.FREEZE_EVENT:
+                    server.freeze_exercise(event.freeze)
+            return [knobs(radar) for radar in server.exercise().radars] == [knobs(radar) for radar in ended.radars]
+
+    def recorded_bookmarks(self, radar):
+        return [event.text for event in obliq.Recording(self.folder / f"{radar}.obliq").events() if event.kind == wire.BOOKMARK_EVENT]
 
     def flown(self):
         """Poses and refusals of `obliq fly`, as it says at its end."""
@@ -271,9 +326,10 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         exercise = Exercise(arguments.bin, pathlib.Path(folder), 2.0 if arguments.short else 55.0)
         try:
-            host, same, codes = exercise.rehearse()
+            host, same, codes, equal = exercise.rehearse()
             poses, none = exercise.flown()
             frames = []
+            kept = all(exercise.recorded_bookmarks(radar) == exercise.bookmarks for radar in ("main", "host"))
             for radar in ("main", "host"):
                 replayed = subprocess.run([arguments.bin / "obliq", "replay", f"{folder}/{radar}.obliq", "--speed", "max"], capture_output=True,
                                           text=True)
@@ -286,11 +342,11 @@ def main():
     lag_s = sorted(host.lags_s)
     print(f"poses {host.sent + poses} sent, {host.refused + none} refused; {exercise.settings} settings by 3 stations, {len(exercise.refusals)} refused; "
           f"server and host killed once; lag (real time) median {lag_s[len(lag_s) // 2]:.3f} s, 99 % {lag_s[len(lag_s) * 99 // 100]:.3f} s, max {lag_s[-1]:.3f} s of {len(lag_s)} pictures; "
-          f"settings as saved: {all(same)}; frames replayed: {frames[0]} and {frames[1]}")
+          f"settings as saved: {all(same)}; {len(exercise.bookmarks)} bookmarks, recorded: {kept}; replay of the log equal: {equal}; frames replayed: {frames[0]} and {frames[1]}")
     for refusal in exercise.refusals:
         print("exercise:", refusal, file=sys.stderr)
     late = not arguments.short and lag_s[-1] > MOST_LAG_S
-    return int(refused > 0 or late or not all(same) or any(codes) or min(frames) == 0)
+    return int(refused > 0 or late or not all(same) or not kept or not equal or any(codes) or min(frames) == 0)
 
 
 if __name__ == "__main__":

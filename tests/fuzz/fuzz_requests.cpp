@@ -49,7 +49,7 @@ bool is_answered(MessageType type) {
       MessageType::set_state,       MessageType::subscribe,    MessageType::unsubscribe,
       MessageType::render_once,     MessageType::get_status,   MessageType::set_replay,
       MessageType::reset_exercise,  MessageType::get_exercise, MessageType::load_exercise,
-      MessageType::set_exercise};
+      MessageType::set_exercise,    MessageType::get_events,   MessageType::add_bookmark};
   return std::find(kAnswered.begin(), kAnswered.end(), type) != kAnswered.end();
 }
 

@@ -43,6 +43,28 @@ def lost_windows(place):
     return f"{count} settings"
 
 
+@attack()
+def log_followed_by_none(place):
+    """Clients that follow the log of the exercise and read nothing, while another changes settings as fast as it can."""
+    served = place.daemon()
+    for _ in range(3):
+        peer = place.peer(served, name="lazy", buffer=2048)
+        peer.send(wire.GET_EVENTS, follow=True, with_state=True)
+    pilot, count, until = place.peer(served, "controller"), 0, place.until()
+    pilot.demand(wire.CLAIM, radar="nose")
+    place.expect(pilot.outcome(wire.ADD_BOOKMARK, text="x" * 100_000) == wire.INVALID, "a bookmark of 100 kB is taken")
+    while time.monotonic() < until and served.lives():
+        pilot.socket.sendall(b"".join(pilot.packed(wire.SET_SETTINGS, radar="nose", settings=wire.pb.RadarSettings(power_w=1 + k % 2))
+                                      for k in range(50)))
+        for _ in range(50):
+            pilot.answer()
+        pilot.outcome(wire.ADD_BOOKMARK, text="b" * 1000)
+        count += 50
+    answer = pilot.demand(wire.GET_EVENTS, after=0)
+    place.expect(answer is not None, "the log has no answer")
+    return f"{count} settings"
+
+
 @attack("L8")
 def fastest_scans(place):
     """A sector of a hundredth of a degree at the fastest rate: passes of 10 ms at least."""

@@ -10,10 +10,12 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 HELLO, WELCOME, ACK, ERROR, HEARTBEAT = 1, 2, 3, 4, 5
 LIST, GET_RADAR, CLAIM, SET_SETTINGS, SET_POSE, SUBSCRIBE, UNSUBSCRIBE, RENDER_ONCE = 16, 18, 20, 22, 23, 24, 25, 26
 GET_STATUS, STATUS, SET_STATE, QUERY, GROUND_ANSWER, SET_REPLAY, REPLAY_STATE = 27, 28, 29, 30, 31, 32, 33
+GET_EVENTS, EVENTS, ADD_BOOKMARK = 42, 43, 44
 FRAME_BEGIN, WEDGE_BLOCK, FRAME_END, FRAME_ABORT = 48, 49, 50, 51
 NAMES = {HELLO: "Hello", LIST: "ListRadars", GET_RADAR: "GetRadar", CLAIM: "ClaimControl", SET_SETTINGS: "SetSettings",
          SET_POSE: "SetPose", SUBSCRIBE: "Subscribe", UNSUBSCRIBE: "Unsubscribe", RENDER_ONCE: "RenderOnce",
-         GET_STATUS: "GetStatus", SET_STATE: "SetState", QUERY: "QueryGround", SET_REPLAY: "SetReplay"}
+         GET_STATUS: "GetStatus", SET_STATE: "SetState", QUERY: "QueryGround", SET_REPLAY: "SetReplay",
+         GET_EVENTS: "GetEvents", ADD_BOOKMARK: "AddBookmark"}
 TOO_LONG, NOT_PARSED, TIMED_OUT, NO_TOKEN = 3, 5, 7, 11  # PROTOCOL.md, "Errors"
 INVALID, ABOVE_LIMIT, REPLAYED = 100, 109, 125
 

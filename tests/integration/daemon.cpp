@@ -71,8 +71,10 @@ Running::~Running() {
 
 int Running::wait() { return wait_for(pid_); }
 
+void Running::send_signal(int signal) const { kill(pid_, signal); }
+
 int Running::end(int signal) {
-  kill(pid_, signal);
+  send_signal(signal);
   return wait();
 }
 

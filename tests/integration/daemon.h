@@ -31,6 +31,7 @@ class Running {
   /// Its exit code; negative: killed by that signal.
   int wait();
   int end(int signal);
+  void send_signal(int signal) const;
   bool has_ended() const;
   std::string log() const;
   /// What follows `before` in its output, as soon as there is a line with it; empty when it ends before.

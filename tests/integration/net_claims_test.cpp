@@ -25,24 +25,6 @@ using wire::kSettingsClaim;
 constexpr ClaimSet kNone = 0;
 constexpr ClaimSet kBoth = kPoseClaim | kSettingsClaim;
 
-wire::Pose moved() {
-  wire::Pose pose;
-  pose.set_latitude_deg(0.5);
-  return pose;
-}
-
-wire::Pose tilted(double tilt_deg) {
-  wire::Pose pose;
-  pose.set_tilt_deg(tilt_deg);
-  return pose;
-}
-
-wire::RadarInfo info_of(client::Client& client) {
-  wire::RadarInfo info;
-  EXPECT_TRUE(is_ok(client.get_radar("main", info)));
-  return info;
-}
-
 /// What the server answers to each kind of request, as PROTOCOL.md's numbers; 0: done.
 struct Answers {
   std::uint32_t move, aim, set, flip, reset;

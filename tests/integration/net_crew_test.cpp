@@ -2,7 +2,10 @@
 // frames; and the operator's console beside them.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <string>
+#include <thread>
 
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
@@ -16,18 +19,6 @@ using client::Status;
 using wire::kPoseClaim;
 using wire::kSettingsClaim;
 
-wire::Pose moved() {
-  wire::Pose pose;
-  pose.set_latitude_deg(0.5);
-  return pose;
-}
-
-wire::Pose tilted(double tilt_deg) {
-  wire::Pose pose;
-  pose.set_tilt_deg(tilt_deg);
-  return pose;
-}
-
 wire::Pose turned(double bearing_deg) {
   wire::Pose pose;
   pose.set_bearing_deg(bearing_deg);
@@ -38,12 +29,6 @@ wire::Pose headed(double heading_deg) {
   wire::Pose pose;
   pose.set_heading_deg(heading_deg);
   return pose;
-}
-
-wire::RadarInfo info_of(client::Client& client) {
-  wire::RadarInfo info;
-  EXPECT_TRUE(is_ok(client.get_radar("main", info)));
-  return info;
 }
 
 /// The Ack of a SetPose that must be taken.
@@ -219,6 +204,35 @@ TEST(OneFliesOneOperates, TheConsoleHasWhatNoClientHolds) {
   }
   EXPECT_EQ(console(server, "antenna.latitude_deg", 1.0).verdict, done);
   EXPECT_EQ(info_of(host).pose().latitude_deg(), 1);
+}
+
+/// Waits until the newest pose has aged to that.
+void await_stale(client::Client& client) {
+  while (!info_of(client).pose_stale()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+TEST_F(Crew, AValidityEndsWithWhoeverSaidItByReleaseByLeavingAndByATakeOver) {
+  client::Client other = connect(server, "other");
+  wire::Pose brief = moved();
+  brief.set_valid_s(0.02);
+  for (const char* how : {"release", "leaving", "take-over"}) {
+    SCOPED_TRACE(how);
+    client::Client flyer = connect(server, "flyer");
+    ASSERT_TRUE(is_ok(flyer.claim("main", kPoseClaim, true)));
+    set_pose(flyer, brief);
+    await_stale(other);
+    if (how == std::string("release")) {
+      ASSERT_TRUE(is_ok(flyer.release("main", kPoseClaim)));
+    } else if (how == std::string("leaving")) {
+      flyer.close();
+      while (!info_of(other).controller().empty()) std::this_thread::yield();
+    } else {
+      ASSERT_TRUE(is_ok(other.claim("main", kPoseClaim, true)));
+    }
+    EXPECT_FALSE(info_of(other).pose_stale());
+    EXPECT_EQ(info_of(other).pose().valid_s(), 0);
+    EXPECT_EQ(info_of(other).pose().latitude_deg(), 0.5) << "the radar stays where it was";
+  }
 }
 
 }  // namespace

@@ -229,6 +229,24 @@ wire::Status status_of(client::Client& client) {
   return status;
 }
 
+wire::Pose moved() {
+  wire::Pose pose;
+  pose.set_latitude_deg(0.5);
+  return pose;
+}
+
+wire::Pose tilted(double tilt_deg) {
+  wire::Pose pose;
+  pose.set_tilt_deg(tilt_deg);
+  return pose;
+}
+
+wire::RadarInfo info_of(client::Client& client) {
+  wire::RadarInfo info;
+  EXPECT_TRUE(is_ok(client.get_radar("main", info)));
+  return info;
+}
+
 wire::Bytes hello_bytes() {
   wire::Hello hello;
   hello.set_request_id(1);

@@ -116,6 +116,12 @@ class Served : public testing::Test {
 void size_radar(client::Client& client, std::uint32_t azimuth_bins, std::uint32_t range_bins);
 
 wire::Status status_of(client::Client& client);
+/// Of radar "main".
+wire::RadarInfo info_of(client::Client& client);
+
+/// Poses for SetPose: of a platform that moves, of an antenna that is tilted.
+wire::Pose moved();
+wire::Pose tilted(double tilt_deg);
 
 /// Receives until the assembler holds a complete frame, or something fails.
 client::Status receive_frame(client::Client& client, client::FrameAssembler& frames);

@@ -152,6 +152,33 @@ TEST_F(ScanTest, AHeldBeamStandsAndGoesOnWhereItWas) {
   EXPECT_EQ(events_.begins.size(), 1u) << "the same pass";
 }
 
+TEST_F(ScanTest, WhoComesWhileTheBeamIsHeldGetsOneStillAndThePassGoesOnAsItWas) {
+  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
+  advance_to(0.08);
+  thread_.hold(true);
+  net::Demand late = demand();
+  late.watch_id = 2;
+  thread_.set_demand(0, {demand(), late});
+  ASSERT_TRUE(events_.wait([&] { return events_.ends.size() == 1; }));
+  EXPECT_FALSE(events_.begins.back().has_scan()) << "all of the sector at once";
+  EXPECT_EQ(events_.wedges.size(), 1u + 8u);
+  EXPECT_TRUE(events_.aborts.empty());
+  EXPECT_NE(events_.ends[0].frame_id(), events_.begins[0].frame_id());
+  advance_to(5.0);
+  late.watch_id = 3;
+  thread_.set_demand(0, {demand(), late});
+  ASSERT_TRUE(events_.wait([&] { return events_.ends.size() == 2; }));
+  thread_.hold(false);
+  for (int k = 1; k < 8; ++k) {
+    advance_to(4.92 + (k + 0.5) / 8 + 0.001);
+    ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == static_cast<std::size_t>(17 + k); }));
+    EXPECT_EQ(events_.wedges.back().first_azimuth(), static_cast<unsigned>(8 * k));
+  }
+  ASSERT_TRUE(events_.wait([&] { return events_.ends.size() == 3; }));
+  EXPECT_EQ(events_.ends[2].frame_id(), events_.begins[0].frame_id()) << "the pass of before";
+  EXPECT_EQ(events_.ends[2].missed_size(), 0);
+}
+
 TEST_F(ScanTest, ACircularAntennaBeginsEachTurnAtItsLeftEdge) {
   ASSERT_TRUE(first_dwell_comes(ScanMode::circular));
   advance_to(1.07);

@@ -59,6 +59,9 @@ Mask mask_of(const std::string& field) {
                                                       {"client_name", Mask::no_address},
                                                       {"controller", Mask::no_address},
                                                       {"settings_controller", Mask::no_address},
+                                                      {"by", Mask::no_address},
+                                                      {"taken_from", Mask::no_address},
+                                                      {"utc_ns", Mask::one},
                                                       {"build", Mask::star}};
   const auto at = masks.find(field);
   return at == masks.end() ? Mask::none : at->second;
@@ -215,6 +218,12 @@ TypeFacts facts_of(MessageType type) {
       return {"LoadExercise", true, false};
     case MessageType::set_exercise:
       return {"SetExercise", true, false};
+    case MessageType::get_events:
+      return {"GetEvents", true, false};
+    case MessageType::exercise_events:
+      return {"ExerciseEvents", false, true};
+    case MessageType::add_bookmark:
+      return {"AddBookmark", true, false};
     case MessageType::frame_begin:
       return {"FrameBegin", false, true};
     case MessageType::wedge_block:

@@ -58,6 +58,7 @@ class Script {
                   end(viewer, controller, admin, server);
                 });
     crew();
+    events();
     refusals();
     if (door_ == Door::tcp) damaged_bytes();
   }
@@ -291,6 +292,29 @@ class Script {
           admin.ask(reset_exercise, kMain, ack);
           host.ask(release_control, kMain, ack);
           viewer.ask(get_radar, kMain, radar_info);
+        });
+  }
+
+  /// The log of an exercise and its bookmarks, on a server of their own.
+  void events() {
+    record_.note("# The log of an exercise");
+    with_server(
+        [](net::ServerOptions&) {},
+        [&](net::Server&, const client::Endpoint& at) {
+          RecordedPeer viewer(record_, "viewer", at, door_);
+          RecordedPeer admin(record_, "admin", at, door_);
+          viewer.ask(hello, "major: 1 minor: 2 client_name: 'viewer' token: 'viewer-token-0123456789'",
+                     welcome);
+          admin.ask(hello, "major: 1 minor: 2 client_name: 'admin' token: 'admin-token-0123456789'", welcome);
+          admin.ask(claim_control, kMain, ack);
+          admin.ask(set_settings, "radar: 'main' settings { power_w: 3 }", ack);
+          viewer.ask(get_events, "with_state: true", exercise_events);
+          viewer.ask(add_bookmark, "text: 'mine'", error);
+          admin.ask(add_bookmark, "text: ''", error);
+          admin.ask(get_events, "after: 2 follow: true", exercise_events);
+          admin.ask(add_bookmark, "text: 'here'", ack);
+          admin.ask(get_events, "after: 2", exercise_events);
+          admin.ask(release_control, kMain, ack);
         });
   }
 

@@ -74,6 +74,25 @@ class Debrief(unittest.TestCase):
         page.await_script(f"obliq.debrief.state.paused && Math.abs(obliq.debrief.position_s - {at_s}) < 0.01", "a pause there")
         page.await_script("obliq.panes[0].bins.scanRow >= 0 && !obliq.panes[0].bins.held.length", "the picture of the place")
 
+    def test_a_bookmark_is_seen_by_all_stations_and_takes_all_of_them_there(self):
+        from selenium.webdriver.common.by import By
+        from selenium.webdriver.common.keys import Keys
+        self.pause(self.page, 2)
+        self.other.open(self.url)
+        self.other.await_script("globalThis.obliq?.debrief?.state?.paused", "the same recording")
+        text = "near <b>it</b>"
+        self.page.driver.find_element(By.ID, "mark-text").send_keys(text, Keys.ENTER)
+        for page in (self.page, self.other):
+            page.await_script(f"document.querySelector('#marks button')?.textContent.endsWith({text!r})", "the bookmark")
+            self.assertIsNone(page.script("return document.querySelector('#marks b')"), "a text is a text")
+        self.page.script("return obliq.link.ask('SetReplay', { seek_s: 0.5 })")
+        self.both("Math.abs(obliq.debrief.position_s - 0.5) < 0.01", "another place")
+        self.other.script("document.querySelector('#marks button').click()")
+        self.both("Math.abs(obliq.debrief.position_s - 2) < 0.01", "the place of the bookmark")
+        self.page.script("document.getElementById('mark-text').value = 'x'.repeat(1001); document.getElementById('mark').click()")
+        self.page.await_script("document.getElementById('mark-refusal').textContent.includes('1001 bytes')", "a refusal")
+        self.assertEqual(self.page.script("return document.querySelectorAll('#marks button').length"), 1)
+
     def test_the_bar_follows_a_click_and_keys(self):
         from selenium.webdriver.common.action_chains import ActionChains
         from selenium.webdriver.common.by import By

@@ -62,6 +62,28 @@ class Replayed(Folder):
             with self.assertRaisesRegex(TypeError, "a position in seconds, or sim_time_ns"):
                 server.replay.seek()
 
+    def test_a_bookmark_is_a_place_for_all(self):
+        with obliq.connect(self.address) as server, obliq.connect(self.address) as other:
+            server.replay.pause()
+            for place_s, text in ((30.05, "the butte"), (4.05, "früher")):
+                server.replay.seek(place_s)
+                server.bookmark(text)
+            marks = other.bookmarks()
+            self.assertEqual([mark.text for mark in marks], ["the butte", "früher"])
+            self.assertEqual([mark.utc_ns - made_recording.START_NS for mark in marks], [30_050_000_000, 4_050_000_000])
+            other.replay.seek(bookmark=marks[0].number)
+            self.assertAlmostEqual(server.replay.state().position_s, 30.05, places=6)
+            self.assertEqual(server.events(after=marks[0].number), marks[1:])
+            for text, size in (("", 0), ("x" * 1_000_000, 1_000_000), ("ö" * 501, 1002)):
+                with self.assertRaisesRegex(ValueError, f"text: found {size} bytes; allowed: 1 to 1000 bytes"):
+                    server.bookmark(text)
+            with self.assertRaisesRegex(obliq.InvalidValue, "found a control character at byte 1"):
+                server.bookmark("a\nb")
+            with self.assertRaisesRegex(obliq.InvalidValue, "seek_bookmark: found 99; allowed: the number of an event"):
+                server.replay.seek(bookmark=99)
+            with self.assertRaisesRegex(TypeError, "or bookmark"):
+                server.replay.seek(1.0, bookmark=1)
+
     def test_asyncio_has_the_same(self):
         async def run():
             async with obliq.aio.connect(self.address) as server:

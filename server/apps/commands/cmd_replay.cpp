@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <chrono>
 #include <cinttypes>
 #include <cstdio>
@@ -11,30 +10,19 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
+#include "server/apps/commands/event_table.h"
 #include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
+#include "server/apps/commands/replay_server.h"
 #include "server/apps/commands/replay_track.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/replay/recorded_time.h"
-#include "server/apps/replay/replay_renderer.h"
-#include "server/apps/version/version.h"
-#include "server/control/parameter_reference.h"
-#include "server/control/sections/server.h"
-#include "server/control/settings_message.h"
-#include "server/http/answering.h"
-#include "server/http/http_server.h"
-#include "server/http/page_routes.h"
-#include "server/net/io_thread.h"
-#include "server/net/request_limits.h"
-#include "server/net/server.h"
-#include "server/security/networks.h"
-#include "server/websocket/upgrade.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/memory_limit.h"
 #include "terrain/base/text.h"
 
 namespace obliq {
@@ -51,13 +39,13 @@ struct ReplayArguments {
   std::uint64_t frames = 0;
   bool loop = false;
   std::string track;
+  bool events = false;
+  bool json = false;
   bool hold = false;
+  bool keep_bookmarks = false;
+  bool all = false;
   bool serve = false;
-  std::string address = "127.0.0.1";
-  std::uint16_t port = wire::kDefaultPort;
-  std::optional<std::uint16_t> http_port;
-  bool unprotected = false;
-  double max_memory_mb = 0;
+  ServeArguments server;
 };
 
 double speed_of(const std::string& text) {
@@ -156,94 +144,36 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
   report(losses, arguments.file);
 }
 
-// ---- To clients ----
-
-// Between looks at whether it is over.
-constexpr std::chrono::milliseconds kServingPause{50};
-
-RadarConfig radar_of(const client::RecordingStart& start, const std::string& path) {
-  RadarConfig radar;
-  radar.name = start.radar;
-  for (const auto& errors : {merge_message(start.descriptor->settings(), radar.settings),
-                             merge_message(start.descriptor->pose(), radar.pose)}) {
-    if (!errors.empty()) throw InputError(path + ": its radar: " + errors.front().text());
+/// The radars that its Welcome names and that have frames in it.
+void add_other_radars(const std::string& file, std::vector<client::RecordingStart>& starts) {
+  const auto reader = open_recording(file);
+  wire::Welcome welcome;
+  while (welcome.radars().empty() && reader->next() != client::RecordingReader::Found::end) {
+    const wire::MessageView& message = reader->message();
+    if (message.header.type == wire::MessageType::frame_begin) break;
+    if (message.header.type == wire::MessageType::welcome)
+      (void)wire::parse_descriptor(message.descriptor, welcome);
   }
-  // Its beam has swept: the passes come out of the recording.
-  radar.settings.scan_mode = ScanMode::frame;
-  return radar;
-}
-
-/// The page and the stream for browsers, beside `server` on its thread.
-std::unique_ptr<http::HttpServer> serve_browsers(const ReplayArguments& arguments, net::IoThread& io,
-                                                 net::Server& server) {
-  http::HttpOptions options;
-  options.address = arguments.address;
-  options.port = *arguments.http_port;
-  std::vector<http::Route> routes = http::page_routes(parameters_json());
-  http::Readiness readiness;
-  readiness.ready();
-  routes.push_back({"/readyz", true, [state = readiness.state()] { return http::readiness_page(state); }});
-  const HttpConfig offered;
-  routes.push_back(http::page_state_route([state = readiness.state()] { return http::readiness_page(state); },
-                                          {offered.range_scales, offered.range_unit}));
-  return std::make_unique<http::HttpServer>(
-      io.context(), options, std::move(routes),
-      websocket::upgrade(
-          io.context(), [&server] { return &server; }, [] { return http::Page{}; }));
-}
-
-void serve(const ReplayArguments& arguments, client::RecordingStart start, double speed) {
-  if (!net::resolves_to_loopback(arguments.address) && !arguments.unprotected)
-    throw InputError("--address: found " + arguments.address +
-                     "; allowed: a loopback address, unless --unprotected says that any client that reaches "
-                     "the port may watch");
-  if (start.descriptor->has_window())
-    throw InputError("--serve: found " + arguments.file +
-                     ", of a part of the bins (--azimuths, --ranges); allowed: a recording of whole frames");
-  net::ServerOptions options;
-  options.address = arguments.address;
-  options.port = arguments.port;
-  options.server_name = "obliq replay";
-  options.server_version = program_version();
-  options.scene_name = start.descriptor->scene_name();
-  options.max_memory_mb = memory_limit_mb(arguments.max_memory_mb);
-  const RadarConfig radar = radar_of(start, arguments.file);
-  const net::FrameCost cost = net::replay_cost(radar.settings, start.planes, options);
-  if (const auto over = net::over_memory(radar.settings, cost, 0, options))
-    throw InputError(arguments.file + ": " + over->text +
-                     "; allowed: a larger --max-memory-mb, inf for no limit");
-  std::atomic<bool> ended = false;
-  const ReplayOptions replay{speed, arguments.loop, arguments.hold};
-  ReplayRenderer renderer(arguments.file, std::move(start), replay, warn, [&ended] { ended = true; });
-  net::IoThread io;
-  net::Server server(io.context(), renderer, {radar}, options,
-                     net::ReservedPort(options.address, options.port));
-  std::unique_ptr<http::HttpServer> browsers;
-  if (arguments.http_port) browsers = serve_browsers(arguments, io, server);
-  const std::shared_ptr<void> first_of_all(nullptr, [&io](void*) { io.end(); });
-  heed_interrupts();
-  server.start([&] {
-    if (browsers) browsers->stop();
-    io.release();
-  });
-  if (browsers) std::printf("the picture in a browser: %s\n", browsers->url().c_str());
-  std::printf("ready: replays radar %s (%s) on %s\n", radar.name.c_str(),
-              wire::plane_names(renderer.planes()).c_str(), server.address().c_str());
-  std::fflush(stdout);
-  while (!ended && !interrupted()) std::this_thread::sleep_for(kServingPause);
-  if (!ended) renderer.stop();
-  server.stop();  // when clients have taken what waits for them
-  io.join();
-  report(renderer.losses(), arguments.file);
+  const std::string first = starts.front().radar;
+  for (const std::string& radar : welcome.radars()) {
+    client::RecordingStart start;
+    if (radar != first && client::read_start(*open_recording(file), radar, start).ok())
+      starts.push_back(std::move(start));
+  }
 }
 
 void run(const ReplayArguments& arguments) {
   const double speed = speed_of(arguments.speed);
+  if (arguments.events) return print_recorded_events(arguments.file, arguments.json);
   client::RecordingStart start = start_of(arguments);
   if (!arguments.track.empty()) return write_track(arguments.file, start.radar, arguments.track);
   if (start.planes == 0) warn("none of its frames has values");
   if (arguments.serve) {
-    serve(arguments, std::move(start), speed);
+    const ReplayOptions options{speed, arguments.loop, arguments.hold, arguments.keep_bookmarks, {}};
+    std::vector<client::RecordingStart> starts;
+    starts.push_back(std::move(start));
+    if (arguments.all) add_other_radars(arguments.file, starts);
+    report(serve_recording(arguments.server, arguments.file, std::move(starts), options), arguments.file);
   } else {
     show(arguments, start, speed);
   }
@@ -283,44 +213,36 @@ void add_replay(CLI::App& app) {
               "Write where the antenna was, for `obliq fly`, and nothing else; -: to the standard output")
           ->type_name("FILE.csv")
           ->excludes(out);
+  CLI::Option* events =
+      command
+          ->add_flag("--events", arguments->events,
+                     "Print the log of the exercise, who changed what and when, and nothing else")
+          ->excludes(out)
+          ->excludes(track);
+  command->add_flag("--json", arguments->json, "With --events: each as a line of JSON")->needs(events);
   add_picture_arguments(*command, arguments->picture);
   command->add_flag("--loop", arguments->loop, "Begin again at the end");
   CLI::Option* serve = command->add_flag(
       "--serve", arguments->serve,
       "Serve the frames as obliqd would, from the first subscription on; ends with the recording");
-  serve->excludes(frames)->excludes(out)->excludes(track);
+  serve->excludes(frames)->excludes(out)->excludes(track)->excludes(events);
   command
       ->add_flag("--hold", arguments->hold,
                  "With --serve: stand still at the end, so that clients can seek back, instead of ending")
       ->needs(serve);
-  command->add_option("--port", arguments->port, "With --serve; 0: any free one")
-      ->needs(serve)
-      ->type_name("N")
-      ->default_val(wire::kDefaultPort)
-      ->check(whole_number_from(0, std::numeric_limits<std::uint16_t>::max()));
   command
-      ->add_option(
-          "--http-port", arguments->http_port,
-          "With --serve: also the page and the stream for browsers (/stream) over HTTP; 0: any free one")
-      ->needs(serve)
-      ->type_name("N")
-      ->check(whole_number_from(0, std::numeric_limits<std::uint16_t>::max()));
-  command->add_option("--address", arguments->address, "With --serve: where to listen")
-      ->needs(serve)
-      ->type_name("HOST")
-      ->default_val("127.0.0.1");
-  command
-      ->add_flag("--unprotected", arguments->unprotected,
-                 "With --serve: allow an address off loopback, without encryption and tokens")
+      ->add_flag("--keep-bookmarks", arguments->keep_bookmarks,
+                 "With --serve: bookmarks that are set are written into the recording, behind its end")
       ->needs(serve);
   command
-      ->add_option("--max-memory-mb", arguments->max_memory_mb,
-                   "With --serve: refuse what would take more memory than this with what is in use; 0: three "
-                   "quarters of the machine's or of its control group's; inf: no limit")
+      ->add_flag(
+          "--all", arguments->all,
+          "With --serve: all radars of `obliq record --all`, in step, each on the next port and the next "
+          "HTTP port; who steers one steers all")
       ->needs(serve)
-      ->type_name("MB")
-      ->default_val(0)
-      ->check(number_from(0, std::numeric_limits<double>::infinity()));
+      ->excludes("--radar")
+      ->excludes("--loop");
+  add_serve_arguments(*command, serve, arguments->server);
   command->callback([arguments] { run(*arguments); });
 }
 

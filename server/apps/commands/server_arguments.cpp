@@ -260,10 +260,7 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
       ConfigNode decided = node;
       decided.value = is_auto;
       if (!is_auto) set(name, node);
-      const bool has_word = std::ranges::any_of(flags, [&](const std::string& other) {
-        return other.starts_with(std::string(automatic->flag) + "=");
-      });
-      if (is_auto || !has_word) set(std::string(automatic->flag), decided);
+      if (is_auto || !names_key(flags, automatic->flag)) set(std::string(automatic->flag), decided);
       continue;
     }
     // The short forms, as in a scene file.

@@ -19,6 +19,7 @@
 #include "server/apps/daemon/reloader.h"
 #include "server/apps/daemon/server_options.h"
 #include "server/apps/daemon/service_manager.h"
+#include "server/apps/serving.h"
 #include "server/apps/version/version.h"
 #include "server/control/parameter_reference.h"
 #include "server/flight/scene_keeper.h"
@@ -109,7 +110,7 @@ class Daemon {
 
 void Daemon::run() {
   const ServerConfig& server = config_.server;
-  check_server_protection(server, "server.address", server.address);
+  check_protection(config_);
   security_ = server_security(server);
   for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
   for (const std::string& warning : address_warnings(config_)) spdlog::warn("{}", warning);
@@ -175,17 +176,6 @@ void Daemon::keep_pulse() {
 }
 
 void Daemon::open_http() {
-  check_server_protection(config_.server, "http.address", config_.http.address);
-  http::HttpOptions options;
-  options.security = security_;
-  options.address = config_.http.address;
-  options.port = static_cast<std::uint16_t>(config_.http.port);
-  options.max_connections = config_.http.max_connections;
-  options.max_connections_per_address = config_.http.max_connections_per_address;
-  options.timeout_s = config_.http.timeout_s;
-  options.dead_after_s = config_.server.dead_after_s;
-  options.names = config_.http.names;
-  options.origins = config_.http.origins;
   const auto metrics = [this] {
     std::optional<net::RoomStatistics> room;
     if (serving_ != nullptr) room = serving_->statistics();
@@ -204,7 +194,7 @@ void Daemon::open_http() {
                                           {config_.http.range_scales, config_.http.range_unit}));
   routes.push_back({"/metrics", false, metrics});
   http_ =
-      std::make_unique<http::HttpServer>(io_.context(), options, std::move(routes),
+      std::make_unique<http::HttpServer>(io_.context(), http_options(config_, security_), std::move(routes),
                                          websocket::upgrade(
                                              io_.context(), [this] { return serving_; },
                                              [this] { return http::readiness_page(readiness_.state()); }));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "client/recorded_events.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/replay/replayed_frame.h"
 #include "server/control/key.h"
@@ -32,12 +33,14 @@ ReplayPlayer::ReplayPlayer(std::string path, client::RecordingStart start, const
       clock_(options.speed) {
   const client::Status status = client::RecordingSearch::open(path_, start_.radar, search_);
   if (!status.ok()) throw InputError(status.sentence());
+  origin_utc_ns_ = options.origin_utc_ns.value_or(search_->first().utc_ns);
   duration_ns_ = from_start_ns(search_->end_utc_ns());
+  time_.restart(from_start_ns(search_->first().utc_ns));
 }
 
 std::int64_t ReplayPlayer::from_start_ns(std::int64_t utc_ns) const {
   std::int64_t ns = 0;
-  if (__builtin_sub_overflow(utc_ns, search_->first().utc_ns, &ns)) return 0;
+  if (__builtin_sub_overflow(utc_ns, origin_utc_ns_, &ns)) return 0;
   return std::max<std::int64_t>(ns, 0);
 }
 
@@ -88,7 +91,7 @@ std::optional<ReplayPlayer::Due> ReplayPlayer::read_frame() {
 // Before the frame of the place comes the one before it, so that a turning antenna's picture is whole.
 void ReplayPlayer::go_to(const Wish& wish) {
   std::int64_t utc_ns = 0;
-  if (__builtin_add_overflow(search_->first().utc_ns, wish.at_ns, &utc_ns)) utc_ns = INT64_MAX;
+  if (__builtin_add_overflow(origin_utc_ns_, wish.at_ns, &utc_ns)) utc_ns = INT64_MAX;
   auto found = search_->at_utc(utc_ns);
   std::int64_t to_ns = wish.at_ns;
   if (wish.sim_time_ns) {
@@ -107,13 +110,14 @@ void ReplayPlayer::go_to(const Wish& wish) {
   if (wish_) return;  // somewhere else by now
   frame_at_ns_ = frame_place_ns_ = to_ns;
   clock_.jump(to_ns);
+  jumps_ = clock_.jumps();
 }
 
 ReplayPlayer::Due ReplayPlayer::take_newest() {
   const std::int64_t now_ns = clock_.now_ns();
   const bool leaves_out = std::isfinite(clock_.speed());
   std::optional<Due> newest;
-  while (next_ && (!newest || (leaves_out && next_->at_ns <= now_ns && next_->at_ns > keep_until_ns_))) {
+  while (next_ && (!newest || (leaves_out && !is_kept(*newest) && next_->at_ns <= now_ns))) {
     newest = std::exchange(next_, std::nullopt);
     next_ = read_frame();
   }
@@ -133,7 +137,8 @@ void ReplayPlayer::end() {
 net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
   const std::lock_guard reading(reading_);
   std::optional<Wish> wish;
-  {
+  // Places sought faster than they can be shown do not keep each other from being shown.
+  if (!next_ || !is_kept(*next_)) {
     const std::lock_guard lock(state_);
     wish = std::exchange(wish_, std::nullopt);
   }
@@ -141,9 +146,9 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
     go_to(*wish);
     tell();
   }
-  const std::uint64_t jumps = clock_.jumps();
+  const std::uint64_t jumps_now = clock_.jumps();
   if (is_over()) {
-    (void)clock_.wait_until(INT64_MAX, jumps, {}, kLongestWait);
+    (void)clock_.wait_until(INT64_MAX, jumps_now, {}, kLongestWait);
     return {};
   }
   if (!next_) next_ = read_frame();
@@ -151,20 +156,30 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
     end();
     return {};
   }
-  if (clock_.wait_until(next_->at_ns, jumps, {}, kLongestWait) != PlaybackClock::Outcome::reached) return {};
-  const double late_s = 1e-9 * static_cast<double>(clock_.now_ns() - next_->at_ns) / clock_.speed();
-  if (late_s > kMostLate_s && next_->at_ns > keep_until_ns_) {
-    clock_.set_back(next_->at_ns);
-    tell();
+  if (!is_kept(*next_)) {
+    if (clock_.wait_until(next_->at_ns, jumps_, {}, kLongestWait) != PlaybackClock::Outcome::reached)
+      return {};
+    const double late_s = 1e-9 * static_cast<double>(clock_.now_ns() - next_->at_ns) / clock_.speed();
+    if (late_s > kMostLate_s) {
+      if (!in_step_.empty()) {  // nobody watched it, or it could not: the others have gone on
+        go_to({clock_.now_ns()});
+        return {};
+      }
+      clock_.set_back(next_->at_ns);
+      tell();
+    }
   }
   const Due due = take_newest();
   {
     const std::lock_guard lock(state_);
-    if (wish_ || jumps != clock_.jumps()) return {};
-    frame_at_ns_ = due.at_ns;
-    frame_place_ns_ = from_start_ns(due.frame->begin_utc_ns);
-    const std::int64_t sim_time_ns = due.frame->frame.descriptor->pose().sim_time_ns();
-    frame_sim_time_ns_ = sim_time_ns == 0 ? std::nullopt : std::optional(sim_time_ns);
+    const bool elsewhere = jumps_ != clock_.jumps();
+    if (elsewhere && !is_kept(due)) return {};
+    if (!elsewhere) {
+      frame_at_ns_ = due.at_ns;
+      frame_place_ns_ = from_start_ns(due.frame->begin_utc_ns);
+      const std::int64_t sim_time_ns = due.frame->frame.descriptor->pose().sim_time_ns();
+      frame_sim_time_ns_ = sim_time_ns == 0 ? std::nullopt : std::optional(sim_time_ns);
+    }
   }
   net::FrameRenderer::Plan plan;
   const wire::FrameDescriptor& recorded = *due.frame->frame.descriptor;
@@ -175,8 +190,9 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
   as_recorded.video.floor_db = recorded.video_floor_db();
   as_recorded.scan_mode = ScanMode::frame;  // its beam has swept
   plan.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{as_recorded, settings->version});
-  plan.for_all = due.at_ns <= keep_until_ns_;
-  plan.frame = std::make_unique<ReplayedFrame>(due.frame, video_scale(as_recorded), due.at_ns, clock_, jumps);
+  plan.for_all = is_kept(due);
+  const ReplayedFrame::Times times{due.at_ns, keep_until_ns_, jumps_};
+  plan.frame = std::make_unique<ReplayedFrame>(due.frame, video_scale(as_recorded), clock_, times);
   return plan;
 }
 
@@ -222,6 +238,18 @@ std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& wish) {
     errors.push_back({"seek_sim_time_ns", std::to_string(wish.seek_sim_time_ns()),
                       "nothing: the poses of this recording have no sim_time_ns; seek_s"});
   if (!errors.empty()) return errors;
+  take(wish);
+  for (ReplayPlayer* other : in_step_) other->follow(wish);
+  return {};
+}
+
+void ReplayPlayer::follow(wire::SetReplay wish) {
+  if (wish.has_seek_s()) wish.set_seek_s(std::min(wish.seek_s(), 1e-9 * static_cast<double>(duration_ns_)));
+  if (!search_->first().sim_time_ns) wish.clear_seek_sim_time_ns();
+  take(wish);
+}
+
+void ReplayPlayer::take(const wire::SetReplay& wish) {
   {
     const std::lock_guard lock(state_);
     if (wish.has_paused()) clock_.set_paused(wish.paused());
@@ -235,13 +263,17 @@ std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& wish) {
     }
   }
   tell();
-  return {};
+}
+
+void ReplayPlayer::keep_in_step(ReplayPlayer& other) {
+  in_step_.push_back(&other);
+  other.in_step_.push_back(this);
 }
 
 void ReplayPlayer::write_state(wire::ReplayState& state) const {
   const std::lock_guard lock(state_);
   state.set_radar(start_.radar);
-  state.set_start_utc_ns(search_->first().utc_ns);
+  state.set_start_utc_ns(origin_utc_ns_);
   state.set_duration_s(1e-9 * static_cast<double>(duration_ns_));
   state.set_position_s(1e-9 * static_cast<double>(place_ns()));
   state.set_speed(clock_.speed());
@@ -253,17 +285,45 @@ void ReplayPlayer::write_state(wire::ReplayState& state) const {
   if (frame_sim_time_ns_) state.set_sim_time_ns(*frame_sim_time_ns_);
 }
 
+void ReplayPlayer::each_event(const std::function<void(const wire::ExerciseEvent&)>& call) const {
+  client::RecordedLog log;
+  const client::Status status = client::read_events(
+      path_,
+      [&](const wire::ExerciseEvents& events) {
+        for (const wire::ExerciseEvent& event : events.events()) call(event);
+      },
+      log);
+  if (!status.ok()) say_(status.sentence());
+}
+
+void ReplayPlayer::keep(const wire::ExerciseEvent& bookmark) {
+  if (!options_.keep_bookmarks) return;
+  wire::ExerciseEvents one;
+  *one.add_events() = bookmark;
+  if (const client::Status status = client::append_events(path_, one); !status.ok())
+    say_("the bookmark is not kept: " + status.sentence());
+}
+
 void ReplayPlayer::watched(bool by_anyone, bool newcomer) {
   {
     const std::lock_guard lock(state_);
     const bool ran = clock_.runs();
-    clock_.set_watched(by_anyone);
+    has_watchers_ = by_anyone;
+    update_watched();
     // Where time stands still, nothing would come until it flows again.
     const bool shows_again = newcomer && !wish_ && (clock_.is_paused() || over_);
     if (shows_again) wish_for({place_ns()});
     if (ran == clock_.runs() && !shows_again) return;
   }
   tell();
+  for (const ReplayPlayer* other : in_step_) other->tell();
+}
+
+void ReplayPlayer::update_watched() {
+  bool any = has_watchers_;
+  for (const ReplayPlayer* other : in_step_) any |= other->has_watchers_;
+  clock_.set_watched(any);
+  for (ReplayPlayer* other : in_step_) other->clock_.set_watched(any);
 }
 
 void ReplayPlayer::on_change(std::function<void()> call) {

@@ -1,11 +1,13 @@
 #pragma once
 // What of a recording is shown when: reads it, keeps its clock, and goes where clients want to go.
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/recorded_frames.h"
 #include "client/recording_search.h"
@@ -19,7 +21,10 @@ namespace obliq {
 struct ReplayOptions {
   double speed = 1;  ///< infinity: as fast as clients ask
   bool loop = false;
-  bool hold = false;  ///< at its end it stands still instead of being over
+  bool hold = false;            ///< at its end it stands still instead of being over
+  bool keep_bookmarks = false;  ///< those that are set are written into the recording
+  /// Where places count from; nothing: from the first frame. Of radars that are shown in step.
+  std::optional<std::int64_t> origin_utc_ns{};
 };
 
 /// Slower than a hundredth or faster than a million times, a replay shows nothing.
@@ -35,6 +40,10 @@ class ReplayPlayer : public net::ReplayControl {
   ReplayPlayer(std::string path, client::RecordingStart start, const ReplayOptions& options,
                std::function<void(const std::string&)> say, std::function<void()> ended);
 
+  /// Of another radar of the recording: from now on both are at one place, whoever steers which. Before
+  /// either plays; both must outlive all use.
+  void keep_in_step(ReplayPlayer& other);
+
   const client::RecordingStart& start() const { return start_; }
   bool has_passes() const { return search_->first().is_pass; }
   /// What is missing in the recording, as far as it has been read.
@@ -48,6 +57,8 @@ class ReplayPlayer : public net::ReplayControl {
 
   std::vector<FieldError> set(const wire::SetReplay& wish) override;
   void write_state(wire::ReplayState& state) const override;
+  void each_event(const std::function<void(const wire::ExerciseEvent&)>& call) const override;
+  void keep(const wire::ExerciseEvent& bookmark) override;
   void watched(bool by_anyone, bool newcomer) override;
   void on_change(std::function<void()> call) override;
 
@@ -65,12 +76,18 @@ class ReplayPlayer : public net::ReplayControl {
   // With `reading_` held:
   std::optional<Due> read_frame();
   void go_to(const Wish& wish);
+  bool is_kept(const Due& due) const { return due.at_ns <= keep_until_ns_; }
   Due take_newest();
   void end();
 
   // With `state_` held:
   void wish_for(const Wish& wish);
   std::int64_t place_ns() const;
+
+  /// What a client of another radar has set.
+  void follow(wire::SetReplay wish);
+  void take(const wire::SetReplay& wish);
+  void update_watched();
 
   bool is_over() const;
   void tell() const;
@@ -83,13 +100,17 @@ class ReplayPlayer : public net::ReplayControl {
   const std::function<void()> ended_;
   PlaybackClock clock_;
   std::unique_ptr<client::RecordingSearch> search_;  ///< plan()'s, but for what never changes
+  std::int64_t origin_utc_ns_ = 0;
   std::int64_t duration_ns_ = 0;
+  std::vector<ReplayPlayer*> in_step_;  ///< others
+  std::atomic<bool> has_watchers_ = false;
 
   mutable std::mutex reading_;  ///< guards what follows, up to the next comment of this kind
   std::unique_ptr<client::RecordedFrames> frames_;
   RecordedTime time_;
   std::optional<Due> next_;
   std::int64_t keep_until_ns_ = -1;  ///< frames up to that time are shown, however late: it went there
+  std::uint64_t jumps_ = 0;  ///< the clock's, when it went there; with another number, a place is sought
   client::RecordingLosses losses_;
 
   mutable std::mutex state_;  ///< guards what follows; held for moments only

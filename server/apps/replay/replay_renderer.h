@@ -29,6 +29,9 @@ class ReplayRenderer : public net::FrameRenderer {
   bool has_passes() const override { return player_->has_passes(); }
   net::ReplayControl* replay() const override { return player_.get(); }
 
+  /// Of another radar of the same recording.
+  void keep_in_step(ReplayRenderer& other) { player_->keep_in_step(*other.player_); }
+
   void stop() { player_->stop(); }
   client::RecordingLosses losses() const { return player_->losses(); }
 

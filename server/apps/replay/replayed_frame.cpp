@@ -52,8 +52,8 @@ std::int64_t by_this_clock(std::int64_t recorded_ns, std::int64_t recorded_now_n
 }  // namespace
 
 ReplayedFrame::ReplayedFrame(std::shared_ptr<const client::RecordedFrame> recorded, const VideoScale& video,
-                             std::int64_t begins_ns, PlaybackClock& clock, std::uint64_t jumps)
-    : recorded_(std::move(recorded)), video_(video), begins_ns_(begins_ns), clock_(clock), jumps_(jumps) {}
+                             PlaybackClock& clock, const Times& times)
+    : recorded_(std::move(recorded)), video_(video), clock_(clock), times_(times) {}
 ReplayedFrame::~ReplayedFrame() = default;
 
 void ReplayedFrame::describe(const std::string&, wire::FrameDescriptor& descriptor) const {
@@ -81,16 +81,17 @@ std::vector<AzimuthRange> ReplayedFrame::missed() const {
 }
 
 std::string ReplayedFrame::why_stopped() const {
-  if (clock_.jumps() != jumps_) return "the replay went to another place";
+  if (clock_.jumps() != times_.jumps) return "the replay went to another place";
   return PlannedFrame::why_stopped();
 }
 
 bool ReplayedFrame::wait_until(std::int64_t utc_ns, const std::stop_token& stop) const {
-  const std::int64_t at_ns = begins_ns_ + recorded_gap_ns(recorded_->begin_utc_ns, utc_ns);
+  const std::int64_t at_ns = times_.begin_ns + recorded_gap_ns(recorded_->begin_utc_ns, utc_ns);
+  if (at_ns <= times_.keep_until_ns) return !stop.stop_requested();
   constexpr auto kForEver = std::chrono::hours(24);  // the token ends it
   PlaybackClock::Outcome outcome{};
   do {
-    outcome = clock_.wait_until(at_ns, jumps_, stop, kForEver);
+    outcome = clock_.wait_until(at_ns, times_.jumps, stop, kForEver);
   } while (outcome == PlaybackClock::Outcome::not_yet);
   return outcome == PlaybackClock::Outcome::reached;
 }

@@ -15,10 +15,14 @@ namespace obliq {
 /// For the render thread alone.
 class ReplayedFrame : public net::PlannedFrame {
  public:
-  /// video: the recorded one's. begins_ns: by the clock, which must outlive this. jumps: of the clock; with
-  /// another one, the frame ends.
+  struct Times {
+    std::int64_t begin_ns = 0;       ///< of the frame, by the clock
+    std::int64_t keep_until_ns = 0;  ///< what is up to there is shown at once, wherever the clock is
+    std::uint64_t jumps = 0;         ///< of the clock; with another number the frame ends
+  };
+  /// video: the recorded one's. The clock must outlive this.
   ReplayedFrame(std::shared_ptr<const client::RecordedFrame> recorded, const VideoScale& video,
-                std::int64_t begins_ns, PlaybackClock& clock, std::uint64_t jumps);
+                PlaybackClock& clock, const Times& times);
   ~ReplayedFrame() override;
 
   void describe(const std::string&, wire::FrameDescriptor& descriptor) const override;
@@ -35,9 +39,8 @@ class ReplayedFrame : public net::PlannedFrame {
 
   std::shared_ptr<const client::RecordedFrame> recorded_;
   VideoScale video_;
-  std::int64_t begins_ns_;
   PlaybackClock& clock_;
-  std::uint64_t jumps_;
+  Times times_;
   mutable std::unique_ptr<wire::ScanPass> scan_;
   mutable std::unique_ptr<wire::WedgeBlock> dwell_;  ///< of the wedge in hand
 };

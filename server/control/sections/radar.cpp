@@ -205,7 +205,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   RadarSettings& settings = radar.config.settings;
   if (settings.frustum == FrustumKind::sweep && settings.planes_per_bin == 0 && settings.azimuth_bins >= 1 &&
       !radar.set_at.contains("frustum.pixel_columns"))
-    settings.planes_per_bin = (settings.pixel_columns + settings.azimuth_bins - 1) / settings.azimuth_bins;
+    settings.planes_per_bin = sweep_columns_per_bin(settings);
   settle_planes(settings, false);
   radar.config.finds_pixels &= radar.config.settings.frustum == FrustumKind::oblique;
   std::vector<FieldError> errors = validate(radar.config);

@@ -76,8 +76,10 @@ std::string_view name_in(std::string_view prefix, std::string_view name) {
 
 void read_sections(SceneReading& scene) {
   for (const Section* section : kSections)
-    if (section->name.find('.') == std::string_view::npos) read_section(scene, scene.top, *section);
+    if (section->name.find('.') == std::string_view::npos) read_section(scene, *section);
 }
+
+void read_section(SceneReading& scene, const Section& section) { read_section(scene, scene.top, section); }
 
 std::string printed_sections(const SceneConfig& config) {
   std::string text;

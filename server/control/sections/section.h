@@ -125,6 +125,8 @@ std::string printed_keys(const Keys<T>& keys, std::string_view prefix, T object,
 
 /// Reads all of sections().
 void read_sections(SceneReading& scene);
+/// Reads one that is in no other.
+void read_section(SceneReading& scene, const Section& section);
 /// All of sections() as they stand in a scene file.
 std::string printed_sections(const SceneConfig& config);
 

@@ -1,6 +1,7 @@
 // The page: it joins connection, pictures, controls and words.
 
 import { Bins } from "./bins.js";
+import { Bookmarks } from "./bookmarks.js";
 import { Debrief } from "./debrief.js";
 import { Display, readFragment, writeFragment } from "./controls.js";
 import { KEYS, listenKeys, listenPointer } from "./input.js";
@@ -56,6 +57,7 @@ export class App {
     this.display = new Display(this);
     this.controls = new RadarControls(this);
     this.debrief = new Debrief(this);
+    this.bookmarks = new Bookmarks(this);
     listenKeys(this);
     this.#buttons();
     document.addEventListener("visibilitychange", () => this.subscribe());
@@ -83,7 +85,9 @@ export class App {
     };
     $("again").onclick = () => this.again();
     $("words").onclick = () => $("words").classList.toggle("all");
-    $("words").onkeydown = ({ key }) => key === "Enter" && $("words").click();
+    $("words").onkeydown = ({ key }) => {
+      if (key === "Enter") $("words").click();
+    };
     addEventListener("hashchange", () => location.reload());
   }
 
@@ -219,6 +223,7 @@ export class App {
     this.fillSources();
     this.subscribed = new Set();
     this.subscribe();
+    this.bookmarks.begin(welcome);
     await this.poll(); // what there is to see beside it follows from the first radar
     if (this.kept.panes === 2 && this.panes.length === 1) this.setPanes(2);
   }
@@ -266,7 +271,9 @@ export class App {
       const isFirst = !this.debrief.state;
       this.debrief.take(message);
       if (isFirst) this.fillSources();
+      if (isFirst) this.bookmarks.show();
     }
+    if (type === "ExerciseEvents") this.bookmarks.take(message);
     if (type === "Error") {
       const asked = this.panes.find(({ pending }) => pending && pending === body.request_id);
       if (asked) asked.refused(new Refused(body));

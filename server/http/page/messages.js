@@ -14,6 +14,7 @@ const NUMBERS = {
   ClaimControl: 20, ReleaseControl: 21, SetSettings: 22, SetPose: 23, Subscribe: 24, Unsubscribe: 25, RenderOnce: 26,
   GetStatus: 27, Status: 28, SetState: 29, QueryGround: 30, GroundAnswer: 31, SetReplay: 32, ReplayState: 33,
   ResetExercise: 37, GetExercise: 38, ExerciseState: 39, LoadExercise: 40, SetExercise: 41,
+  GetEvents: 42, ExerciseEvents: 43, AddBookmark: 44,
   FrameBegin: 48, WedgeBlock: 49, FrameEnd: 50, FrameAbort: 51,
 };
 const NAMES = new Map(Object.entries(NUMBERS).map(([name, number]) => [number, name]));

@@ -1,14 +1,12 @@
 // The ground along bearing line 1, from QueryGround: how high it is, and what of it the antenna sees.
 
-import { UNIT_M, stepOf } from "./grid.js";
+import { stepOf } from "./grid.js";
+import { BOTTOM, INK, LEFT, drawAxes, emptied } from "./plot.js";
 import { bearingText } from "./readout.js";
 import { number } from "./messages.js";
 
 const POINTS = 256;
 const PAUSE_MS = 500; // between questions
-const LEFT = 42;
-const BOTTOM = 16;
-const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 const SEEN = [1, 2]; // of a record's sight: visible, visible over unknown ground
 
 /** @typedef {{slant_m: number, known: boolean, height_m: number, surface_m: number, seen: boolean}} Point */
@@ -69,15 +67,10 @@ export class Profile {
     const { canvas, context: c } = this;
     const { look } = pane.app;
     const { placement } = pane.bins;
-    const [width, height] = [canvas.clientWidth / look.px, canvas.clientHeight / look.px];
-    if (!placement || width < 40 || height < 20) return;
-    const density = Math.min(devicePixelRatio || 1, 2) * look.px;
-    const [w, h] = [Math.round(width * density), Math.round(height * density)];
-    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-    c.setTransform(density, 0, 0, density, 0, 0);
-    c.clearRect(0, 0, width, height);
-    c.font = FONT;
-    c.fillStyle = "#a9c4be";
+    const room = placement && emptied(canvas, look);
+    if (!room) return;
+    const [width, height] = room;
+    c.fillStyle = INK;
     c.textAlign = "right";
     c.fillText(this.says || `profile ${bearingText(this.bearing_deg)} T`, width - 8, 13);
     c.textAlign = "left";
@@ -89,7 +82,8 @@ export class Profile {
     const floor = height - BOTTOM - 1;
     const x = (slant_m) => LEFT + ((slant_m - placement.r0_m) / (placement.rMax_m - placement.r0_m)) * (width - LEFT - 6);
     const y = (m) => 6 + (1 - (m - least) / (1.04 * span)) * (floor - 8);
-    this.#axes(c, placement, look, x, y, width, height, least, span);
+    const step = stepOf(span, Math.max(2, Math.floor(height / 30)));
+    drawAxes(c, placement, look, { width, height, x, y }, { least, most: least + span, step, unit: "m" });
     const each = (width - LEFT - 6) / POINTS;
     for (const point of this.points) {
       if (!point.known) continue;
@@ -108,33 +102,5 @@ export class Profile {
       c.stroke();
       c.setLineDash([]);
     }
-  }
-
-  #axes(c, placement, look, x, y, width, height, least, span) {
-    c.strokeStyle = "rgba(132, 196, 180, 0.18)";
-    c.fillStyle = "#a9c4be";
-    c.beginPath();
-    c.textAlign = "right";
-    c.textBaseline = "middle";
-    const step = stepOf(span, Math.max(2, Math.floor(height / 30)));
-    for (let m = Math.ceil(least / step) * step; m <= least + span; m += step) {
-      c.moveTo(LEFT, y(m));
-      c.lineTo(width - 6, y(m));
-      c.fillText(String(m), LEFT - 5, Math.max(7, y(m)));
-    }
-    c.textAlign = "center";
-    c.textBaseline = "alphabetic";
-    const unit_m = UNIT_M[look.unit];
-    const each = stepOf((placement.rMax_m - placement.r0_m) / unit_m, Math.max(2, Math.floor(width / 90)));
-    for (let n = Math.ceil(placement.r0_m / unit_m / each); n * each * unit_m <= placement.rMax_m; ++n) {
-      const at = x(n * each * unit_m);
-      c.moveTo(at, 2);
-      c.lineTo(at, height - BOTTOM);
-      if (at < width - 20) c.fillText(String(+(n * each).toFixed(3)), at, height - 4);
-    }
-    c.stroke();
-    c.textAlign = "left";
-    c.fillText(look.unit, 4, height - 4);
-    c.fillText("m", LEFT + 4, 13);
   }
 }

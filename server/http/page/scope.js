@@ -1,10 +1,8 @@
 // The A-scope: level over slant range at the cursor's azimuth, or where the beam is.
 
-import { UNIT_M, stepOf } from "./grid.js";
+import { stepOf } from "./grid.js";
+import { BOTTOM, INK, LEFT, drawAxes, emptied } from "./plot.js";
 
-const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
-const LEFT = 42;
-const BOTTOM = 16;
 const LEAST_SPAN_DB = 20;
 
 export class Scope {
@@ -24,22 +22,18 @@ export class Scope {
    */
   draw(bins, look, at) {
     const { canvas, context: c } = this;
-    const [width, height] = [canvas.clientWidth / look.px, canvas.clientHeight / look.px];
     const { placement } = bins;
-    if (!placement || width < 40 || height < 20) return;
-    const density = Math.min(devicePixelRatio || 1, 2) * look.px;
-    const [w, h] = [Math.round(width * density), Math.round(height * density)];
-    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-    c.setTransform(density, 0, 0, density, 0, 0);
-    c.clearRect(0, 0, width, height);
-    c.font = FONT;
+    const room = placement && emptied(canvas, look);
+    if (!room) return;
+    const [width, height] = room;
     const isCursor = at && at.row >= 0;
     const row = isCursor ? at.row : bins.scanRow >= 0 ? bins.scanRow : Math.floor(placement.azimuths / 2);
     const values = bins.video.subarray(row * placement.ranges, (row + 1) * placement.ranges);
     this.#settle(values, bins);
     const x = (column) => LEFT + (column / placement.ranges) * (width - LEFT - 6);
     const y = (dB) => 4 + (1 - (dB - this.low) / (this.high - this.low)) * (height - BOTTOM - 6);
-    this.#axes(c, placement, look, x, y, width, height);
+    const atRange = (slant_m) => x((slant_m - placement.r0_m) / placement.spacing_m);
+    drawAxes(c, placement, look, { width, height, x: atRange, y }, { least: this.low, most: this.high, step: this.#step(height), unit: "dB as sent" });
     c.strokeStyle = "#7ee0a4";
     c.lineWidth = 1;
     c.beginPath();
@@ -63,7 +57,7 @@ export class Scope {
       c.stroke();
     }
     const bearing = placement.start_deg + (row + 0.5) * placement.width_deg;
-    c.fillStyle = "#a9c4be";
+    c.fillStyle = INK;
     c.textAlign = "right";
     c.fillText(`A-scope ${(((bearing % 360) + 360) % 360).toFixed(1).padStart(5, "0")}°`, width - 8, 13);
     c.textAlign = "left";
@@ -86,35 +80,12 @@ export class Scope {
     if (!(this.high > this.low)) [this.low, this.high] = [bins.floor_dB, bins.floor_dB + LEAST_SPAN_DB];
   }
 
-  #axes(c, placement, look, x, y, width, height) {
-    c.strokeStyle = "rgba(132, 196, 180, 0.18)";
-    c.fillStyle = "#a9c4be";
-    c.lineWidth = 1;
+  /** Between lines, so that there are two at least. */
+  #step(height) {
     const span = this.high - this.low;
     let most = Math.max(2, Math.floor(height / 26));
     let step = stepOf(span, most);
     while (Math.floor(this.high / step) <= Math.ceil(this.low / step)) step = stepOf(span, ++most);
-    c.beginPath();
-    c.textAlign = "right";
-    c.textBaseline = "middle";
-    for (let dB = Math.ceil(this.low / step) * step; dB <= this.high; dB += step) {
-      c.moveTo(LEFT, y(dB));
-      c.lineTo(width - 6, y(dB));
-      c.fillText(String(dB), LEFT - 5, Math.max(7, y(dB)));
-    }
-    const unit_m = UNIT_M[look.unit];
-    const each = stepOf((placement.rMax_m - placement.r0_m) / unit_m, Math.max(2, Math.floor(width / 90)));
-    c.textAlign = "center";
-    c.textBaseline = "alphabetic";
-    for (let n = Math.ceil(placement.r0_m / unit_m / each); n * each * unit_m <= placement.rMax_m; ++n) {
-      const at = x((n * each * unit_m - placement.r0_m) / placement.spacing_m);
-      c.moveTo(at, 2);
-      c.lineTo(at, height - BOTTOM);
-      if (at < width - 20) c.fillText(String(+(n * each).toFixed(3)), at, height - 4);
-    }
-    c.stroke();
-    c.textAlign = "left";
-    c.fillText(look.unit, 4, height - 4);
-    c.fillText("dB as sent", LEFT + 4, 13);
+    return step;
   }
 }

@@ -166,8 +166,7 @@ RadarSettings sharp_frame(const RadarSettings& s, const EchoLayout& layout) {
 
   // As many planes or pixels a bin as the settings ask for.
   if (s.frustum == FrustumKind::sweep) {
-    const int planes = (s.pixel_columns + s.azimuth_bins - 1) / s.azimuth_bins;
-    const int a_part = (planes + layout.azimuth_parts - 1) / layout.azimuth_parts;
+    const int a_part = (sweep_columns_per_bin(s) + layout.azimuth_parts - 1) / layout.azimuth_parts;
     sharp.pixel_columns = counted(static_cast<double>(a_part) * sharp.azimuth_bins);
     return sharp;
   }

@@ -105,6 +105,6 @@ class Replay:
         """Recorded seconds in a second: 0.01 to 1000000, or math.inf: without waiting."""
         await self._set(wire.SetReplay(speed=factor))
 
-    async def seek(self, position_s: float | None = None, *, sim_time_ns: int | None = None) -> None:
-        """To the frame of that time, from the recording's start or by the poses' own clock."""
-        await self._set(seek_request(position_s, sim_time_ns))
+    async def seek(self, position_s: float | None = None, *, sim_time_ns: int | None = None, bookmark: int | None = None) -> None:
+        """To the frame of that time, from the recording's start or by the poses' own clock, or to an event of that number."""
+        await self._set(seek_request(position_s, sim_time_ns, bookmark))

@@ -114,6 +114,25 @@ class Server:
         """Clock, antenna and noise of all radars stand, for all clients, or go on."""
         self._run(self._session.act(requests.of_1_2(self._session.welcome, wire.SetExercise(frozen=bool(on)))))
 
+    def events(self, after: int = 0) -> list[wire.ExerciseEvent]:
+        """Who changed what of the exercise, and when: what the server has of its log, behind number `after`."""
+        events: list[wire.ExerciseEvent] = []
+        more = True
+        while more:
+            request = requests.of_1_2(self._session.welcome, wire.GetEvents(after=after))
+            page = self._run(self._session.call(request, wire.ExerciseEvents))
+            events += page.events
+            after, more = events[-1].number if events else after, page.more
+        return events
+
+    def bookmark(self, text: str) -> None:
+        """Marks this moment of the exercise, or the place of a replay, for all stations; at most 1000 bytes, for a controller."""
+        self._run(self._session.act(requests.of_1_2(self._session.welcome, requests.bookmark_request(text))))
+
+    def bookmarks(self) -> list[wire.ExerciseEvent]:
+        """Those of the log, with `number`, `utc_ns`, `by` and `text`; server.replay.seek(bookmark=number) takes a replay there."""
+        return [event for event in self.events() if event.kind == wire.BOOKMARK_EVENT]
+
     def measure_clock(self) -> float:
         """Seconds by which the server's clock is behind this machine's; latencies take it into account."""
         return self._run(self._session.measure_clock())

@@ -218,7 +218,8 @@ def subscription(radar: str, rate_hz: float, planes: Planes, encoding: str, comp
     return Subscription(request, names, by_wedge, copy)
 
 
-E = TypeVar("E", wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise)
+E = TypeVar("E", wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise,
+            wire.GetEvents, wire.AddBookmark)
 
 
 def of_1_2(welcome: wire.Welcome, request: E) -> E:
@@ -226,6 +227,18 @@ def of_1_2(welcome: wire.Welcome, request: E) -> E:
     if welcome.minor < 2:
         raise ValueError(f"the server speaks version 1.{welcome.minor} of the protocol; allowed: 1.2 or later")
     return request
+
+
+# As the server has them (proto/limits.h, proto/bookmark.h).
+MOST_BOOKMARK_BYTES = 1000
+
+
+def bookmark_request(text: str) -> wire.AddBookmark:
+    """What bookmark() asks for."""
+    size = len(text.encode())
+    if not 1 <= size <= MOST_BOOKMARK_BYTES:
+        raise ValueError(f"text: found {size} bytes; allowed: 1 to {MOST_BOOKMARK_BYTES} bytes of text without control characters")
+    return wire.AddBookmark(text=text)
 
 
 def claim_kinds(claims: str | None) -> list[wire.ClaimKind]:

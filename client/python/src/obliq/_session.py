@@ -34,9 +34,10 @@ T = TypeVar("T")
 Command = Generator[Wait, None, T]
 Request = Union[wire.Hello, wire.Heartbeat, wire.ListRadars, wire.GetRadar, wire.GetStatus, wire.QueryGround, wire.ClaimControl,
                 wire.ReleaseControl, wire.SetSettings, wire.SetPose, wire.SetState, wire.Subscribe, wire.Unsubscribe,
-                wire.RenderOnce, wire.SetReplay, wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise]
+                wire.RenderOnce, wire.SetReplay, wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise,
+                wire.GetEvents, wire.AddBookmark]
 A = TypeVar("A", wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer,
-            wire.ExerciseState, wire.Ack)
+            wire.ExerciseState, wire.ExerciseEvents, wire.Ack)
 
 
 class Session:
@@ -126,7 +127,7 @@ class Session:
             self.replay_state = parsed, message.header.utc_ns
         elif kind == 5 and parsed.answer_wanted:
             self._send(wire.Heartbeat(request_id=parsed.request_id))
-        elif kind in (2, 3, 5, 17, 19, 28, 31, 39):
+        elif kind in (2, 3, 5, 17, 19, 28, 31, 39, 43):
             pending = self._pending.get(parsed.request_id)
             if pending and isinstance(parsed, pending.answer):
                 del self._pending[parsed.request_id]

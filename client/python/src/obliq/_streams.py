@@ -105,6 +105,6 @@ class Replay:
         """Recorded seconds in a second: 0.01 to 1000000, or math.inf: without waiting."""
         self._set(wire.SetReplay(speed=factor))
 
-    def seek(self, position_s: float | None = None, *, sim_time_ns: int | None = None) -> None:
-        """To the frame of that time, from the recording's start or by the poses' own clock."""
-        self._set(seek_request(position_s, sim_time_ns))
+    def seek(self, position_s: float | None = None, *, sim_time_ns: int | None = None, bookmark: int | None = None) -> None:
+        """To the frame of that time, from the recording's start or by the poses' own clock, or to an event of that number."""
+        self._set(seek_request(position_s, sim_time_ns, bookmark))

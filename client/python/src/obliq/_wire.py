@@ -30,6 +30,7 @@ TYPES: dict[int, type[ProtobufMessage]] = {
     27: wire.GetStatus, 28: wire.Status, 29: wire.SetState,
     30: wire.QueryGround, 31: wire.GroundAnswer, 32: wire.SetReplay, 33: wire.ReplayState,
     37: wire.ResetExercise, 38: wire.GetExercise, 39: wire.ExerciseState, 40: wire.LoadExercise, 41: wire.SetExercise,
+    42: wire.GetEvents, 43: wire.ExerciseEvents, 44: wire.AddBookmark,
     48: wire.FrameBegin, 49: wire.WedgeBlock, 50: wire.FrameEnd, 51: wire.FrameAbort,
 }
 NUMBERS = {kind: number for number, kind in TYPES.items()}

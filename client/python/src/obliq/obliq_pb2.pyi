@@ -4,11 +4,14 @@ from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
 from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
 
+AIM_EVENT: EventKind
 AUTO_SPECKLE: SpeckleKind
+BOOKMARK_EVENT: EventKind
 BUILDING: PlaneKind
 CF32_LE: IqEncodingKind
 CI16_LE: IqEncodingKind
 CIRCULAR_SCAN: ScanMode
+CLAIM_EVENT: EventKind
 COMPRESSED_PULSE: PulseKind
 COSECANT_ELEVATION: ElevationPattern
 COSINE_BEAM: BeamPattern
@@ -19,6 +22,7 @@ ELLIPSOID: HeightReference
 FILE_BEAM: BeamPattern
 FILE_ELEVATION: ElevationPattern
 FRAME_SCAN: ScanMode
+FREEZE_EVENT: EventKind
 GAUSSIAN_BEAM: BeamPattern
 GAUSSIAN_ELEVATION: ElevationPattern
 GEOMETRIC_SPECKLE: SpeckleKind
@@ -30,10 +34,12 @@ HEIGHT: PlaneKind
 HORIZONTAL: Polarisation
 INDEPENDENT_SPECKLE: SpeckleKind
 IQ: PlaneKind
+LOAD_EVENT: EventKind
 MATERIAL: PlaneKind
 NEAREST_PLATES: PlateKind
 NONE_SPECKLE: SpeckleKind
 NONE_WINDOW: PulseWindow
+NO_EVENT: EventKind
 OBLIQUE: FrustumKind
 OFF_BEAM: BeamPattern
 OFF_ELEVATION: ElevationPattern
@@ -42,13 +48,18 @@ POLAR: FrustumKind
 POSE_CLAIM: ClaimKind
 POWER: PlaneKind
 RECTANGULAR_PULSE: PulseKind
+RELEASE_EVENT: EventKind
+RESET_EVENT: EventKind
 RETURNS: PlaneKind
 SECTOR_SCAN: ScanMode
 SETTINGS_CLAIM: ClaimKind
+SETTINGS_EVENT: EventKind
 SPREAD_PLATES: PlateKind
 STATE: PlaneKind
 SWEEP: FrustumKind
+SWITCH_EVENT: EventKind
 SYMMETRIC: FrustumKind
+TAKE_OVER_EVENT: EventKind
 TAYLOR_BEAM: BeamPattern
 TAYLOR_WINDOW: PulseWindow
 UNCOMPRESSED: CompressionKind
@@ -68,6 +79,14 @@ class Ack(_message.Message):
     settings_version: int
     warnings: _containers.RepeatedScalarFieldContainer[str]
     def __init__(self, request_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., coverage: _Optional[float] = ...) -> None: ...
+
+class AddBookmark(_message.Message):
+    __slots__ = ["request_id", "text"]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    TEXT_FIELD_NUMBER: _ClassVar[int]
+    request_id: int
+    text: str
+    def __init__(self, request_id: _Optional[int] = ..., text: _Optional[str] = ...) -> None: ...
 
 class AzimuthSpan(_message.Message):
     __slots__ = ["first_azimuth", "n_azimuth"]
@@ -150,6 +169,56 @@ class Error(_message.Message):
     request_id: int
     text: str
     def __init__(self, request_id: _Optional[int] = ..., number: _Optional[int] = ..., text: _Optional[str] = ..., fields: _Optional[_Iterable[_Union[FieldFault, _Mapping]]] = ..., radar: _Optional[str] = ...) -> None: ...
+
+class ExerciseEvent(_message.Message):
+    __slots__ = ["by", "claims", "freeze", "kind", "number", "pose", "radar", "rate_limit_hz", "settings", "sim_time_ns", "state", "taken_from", "text", "transmit", "utc_ns"]
+    BY_FIELD_NUMBER: _ClassVar[int]
+    CLAIMS_FIELD_NUMBER: _ClassVar[int]
+    FREEZE_FIELD_NUMBER: _ClassVar[int]
+    KIND_FIELD_NUMBER: _ClassVar[int]
+    NUMBER_FIELD_NUMBER: _ClassVar[int]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    RADAR_FIELD_NUMBER: _ClassVar[int]
+    RATE_LIMIT_HZ_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    TAKEN_FROM_FIELD_NUMBER: _ClassVar[int]
+    TEXT_FIELD_NUMBER: _ClassVar[int]
+    TRANSMIT_FIELD_NUMBER: _ClassVar[int]
+    UTC_NS_FIELD_NUMBER: _ClassVar[int]
+    by: str
+    claims: _containers.RepeatedScalarFieldContainer[ClaimKind]
+    freeze: bool
+    kind: EventKind
+    number: int
+    pose: Pose
+    radar: str
+    rate_limit_hz: float
+    settings: RadarSettings
+    sim_time_ns: int
+    state: ExerciseState
+    taken_from: str
+    text: str
+    transmit: bool
+    utc_ns: int
+    def __init__(self, number: _Optional[int] = ..., utc_ns: _Optional[int] = ..., kind: _Optional[_Union[EventKind, str]] = ..., by: _Optional[str] = ..., radar: _Optional[str] = ..., sim_time_ns: _Optional[int] = ..., claims: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., taken_from: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., transmit: bool = ..., freeze: bool = ..., rate_limit_hz: _Optional[float] = ..., state: _Optional[_Union[ExerciseState, _Mapping]] = ..., text: _Optional[str] = ...) -> None: ...
+
+class ExerciseEvents(_message.Message):
+    __slots__ = ["events", "frozen", "lost", "more", "request_id", "state"]
+    EVENTS_FIELD_NUMBER: _ClassVar[int]
+    FROZEN_FIELD_NUMBER: _ClassVar[int]
+    LOST_FIELD_NUMBER: _ClassVar[int]
+    MORE_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    events: _containers.RepeatedCompositeFieldContainer[ExerciseEvent]
+    frozen: bool
+    lost: int
+    more: bool
+    request_id: int
+    state: ExerciseState
+    def __init__(self, request_id: _Optional[int] = ..., events: _Optional[_Iterable[_Union[ExerciseEvent, _Mapping]]] = ..., more: bool = ..., lost: _Optional[int] = ..., state: _Optional[_Union[ExerciseState, _Mapping]] = ..., frozen: bool = ...) -> None: ...
 
 class ExerciseState(_message.Message):
     __slots__ = ["build", "radars", "request_id", "scene_hash", "scene_name", "version"]
@@ -328,6 +397,18 @@ class FrameSummary(_message.Message):
     unsampled_bins: int
     warnings: _containers.RepeatedScalarFieldContainer[str]
     def __init__(self, frame_id: _Optional[int] = ..., rays: _Optional[int] = ..., hits: _Optional[int] = ..., samples: _Optional[int] = ..., rejected: _Optional[int] = ..., coverage: _Optional[float] = ..., buildings_seen: _Optional[int] = ..., repaired: _Optional[int] = ..., lit_bins: _Optional[int] = ..., unsampled_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ...) -> None: ...
+
+class GetEvents(_message.Message):
+    __slots__ = ["after", "follow", "request_id", "with_state"]
+    AFTER_FIELD_NUMBER: _ClassVar[int]
+    FOLLOW_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    WITH_STATE_FIELD_NUMBER: _ClassVar[int]
+    after: int
+    follow: bool
+    request_id: int
+    with_state: bool
+    def __init__(self, request_id: _Optional[int] = ..., after: _Optional[int] = ..., follow: bool = ..., with_state: bool = ...) -> None: ...
 
 class GetExercise(_message.Message):
     __slots__ = ["request_id"]
@@ -858,18 +939,20 @@ class SetPose(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ...) -> None: ...
 
 class SetReplay(_message.Message):
-    __slots__ = ["paused", "request_id", "seek_s", "seek_sim_time_ns", "speed"]
+    __slots__ = ["paused", "request_id", "seek_bookmark", "seek_s", "seek_sim_time_ns", "speed"]
     PAUSED_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    SEEK_BOOKMARK_FIELD_NUMBER: _ClassVar[int]
     SEEK_SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
     SEEK_S_FIELD_NUMBER: _ClassVar[int]
     SPEED_FIELD_NUMBER: _ClassVar[int]
     paused: bool
     request_id: int
+    seek_bookmark: int
     seek_s: float
     seek_sim_time_ns: int
     speed: float
-    def __init__(self, request_id: _Optional[int] = ..., paused: bool = ..., speed: _Optional[float] = ..., seek_s: _Optional[float] = ..., seek_sim_time_ns: _Optional[int] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., paused: bool = ..., speed: _Optional[float] = ..., seek_s: _Optional[float] = ..., seek_bookmark: _Optional[int] = ..., seek_sim_time_ns: _Optional[int] = ...) -> None: ...
 
 class SetSettings(_message.Message):
     __slots__ = ["radar", "request_id", "settings"]
@@ -1083,4 +1166,7 @@ class CompressionKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
 
 class ClaimKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+
+class EventKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()

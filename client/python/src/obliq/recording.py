@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Iterator
 from typing import BinaryIO
 
+from . import obliq_pb2 as wire
 from . import planes as _planes
 from ._assembly import Assembler
 from ._crc import crc32c
@@ -148,6 +149,14 @@ class Recording:
                     break
                 found.add(_planes.NAMES.get(item.parsed().plane))
         return tuple(name for name in _planes.NUMBERS if name in found and (not self._only or name in self._only))
+
+    def events(self) -> list[wire.ExerciseEvent]:
+        """Who changed what of the exercise, and when, bookmarks too; Frame.utc has the same clock. Reads the whole file."""
+        found: list[wire.ExerciseEvent] = []
+        for item in self._messages():
+            if not isinstance(item, Loss) and item.header.type == 43:
+                found += item.parsed().events
+        return found
 
     def __iter__(self) -> Iterator[Frame]:
         self.losses = []

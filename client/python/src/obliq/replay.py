@@ -42,10 +42,8 @@ class ReplayState:
             message.sim_time_ns if message.HasField("sim_time_ns") else None, message.seeks)
 
 
-def seek_request(position_s: float | None, sim_time_ns: int | None) -> wire.SetReplay:
+def seek_request(position_s: float | None, sim_time_ns: int | None, bookmark: int | None = None) -> wire.SetReplay:
     """What seek() asks for."""
-    if position_s is not None and sim_time_ns is None:
-        return wire.SetReplay(seek_s=position_s)
-    if sim_time_ns is not None and position_s is None:
-        return wire.SetReplay(seek_sim_time_ns=sim_time_ns)
-    raise TypeError("seek takes a position in seconds, or sim_time_ns")
+    if [position_s, sim_time_ns, bookmark].count(None) != 2:
+        raise TypeError("seek takes a position in seconds, or sim_time_ns, or bookmark")
+    return wire.SetReplay(seek_s=position_s, seek_sim_time_ns=sim_time_ns, seek_bookmark=bookmark)
