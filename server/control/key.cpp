@@ -39,7 +39,7 @@ struct NamedUnit {
   double over = 1;
 };
 constexpr NamedUnit kUnits[] = {
-    {"m", "m", 1},     {"m", "km", 1000},         {"m", "ft", kFoot_m},        {"m", "nmi", 1852},
+    {"m", "m", 1},     {"m", "km", 1000},         {"m", "ft", kFoot_m},       {"m", "nmi", 1852},
     {"m/s", "m/s", 1}, {"m/s", "kt", 1852, 3600}, {"m/s", "km/h", 1000, 3600}};
 
 /// "m, km, ft, nmi"; empty: texts are no numbers there.
