@@ -35,6 +35,12 @@ class BinSums {
     cells_[at].count += 1;
     if (sines_) sines_w_[at] += sine_w;
   }
+  /// An echo and its voltage.
+  void add(std::size_t at, double power_w, double sine_w, double re, double im) {
+    Cell& cell = cells_[at];
+    cell = {cell.power_w + power_w, cell.re + re, cell.im + im, cell.count + 1};
+    if (sines_) sines_w_[at] += sine_w;
+  }
   /// What labels need of echoes, beside add().
   LabelSums& labels() { return labels_; }
   void add_voltage(std::size_t at, double re, double im) {

@@ -73,11 +73,13 @@ void EchoCells::add(GroundEchoes& echoes) {
     list_at_[k] = static_cast<std::uint32_t>(
         BinSums::index(static_cast<int>(at % kWedgeAzimuthBins), static_cast<int>(at / GroundEchoes::kRuns)));
     list_power_w_[k] = static_cast<double>(echoes.light[k]) * table_.factor;
-    bins_.add(list_at_[k], list_power_w_[k], static_cast<double>(echoes.sine[k]) * table_.factor);
   }
   if (bins_.has_voltages() && n > 0) {
     active_kernels().ground_places(where_, echoes, list_place_, list_kind_);
-    add_ground_voltages(n);
+    add_with_voltages(n, echoes.sine);
+  } else {
+    for (int k = 0; k < n; ++k)
+      bins_.add(list_at_[k], list_power_w_[k], static_cast<double>(echoes.sine[k]) * table_.factor);
   }
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
@@ -101,7 +103,7 @@ void EchoCells::add(const GroundStretches& stretches) {
   }
 }
 
-void EchoCells::add_ground_voltages(int n) {
+void EchoCells::add_with_voltages(int n, const float* sine) {
   double re[kList];
   double im[kList];
   ask(kAScatterer * n);
@@ -112,17 +114,18 @@ void EchoCells::add_ground_voltages(int n) {
     const auto key = static_cast<std::uint32_t>((place >> 32 & 0xfff) << 20 | (place & 0xfff) << 8 |
                                                 (list_kind_[k] & 0xff));
     LastCell& last = last_[at];
+    const double sine_w = static_cast<double>(sine[k]) * table_.factor;
     const auto amplitude = static_cast<float>(std::sqrt(list_power_w_[k]));
     if (key != last.key || !(last.amplitude > 0)) {
       last = {key, amplitude};
-      bins_.add_voltage(at, re[k], im[k]);
+      bins_.add(at, list_power_w_[k], sine_w, re[k], im[k]);
       continue;
     }
     // One scatterer of both powers: what its voltage grows by.
     const float both = std::hypot(last.amplitude, amplitude);
     const double share = static_cast<double>((both - last.amplitude) / amplitude);
     last.amplitude = both;
-    bins_.add_voltage(at, share * re[k], share * im[k]);
+    bins_.add(at, list_power_w_[k], sine_w, share * re[k], share * im[k]);
   }
 }
 

@@ -93,7 +93,8 @@ class EchoCells {
     std::uint32_t key;
     float amplitude;  ///< square root of its power in the bin so far
   };
-  void add_ground_voltages(int n);
+  /// Echoes of the list; sine: times light.
+  void add_with_voltages(int n, const float* sine);
   void put_face(int profile, const FaceEcho& echo, double power_w, double sine);
   double elevation_gain2(const glm::dvec3& at_m, double range_m) const;
   void take_faces();

@@ -150,11 +150,10 @@ void SpeckleField::respond(const SpeckleBlock& block) const {
 }
 
 void SpeckleField::respond_ground(const SpeckleBlock& block) const {
-  active_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_, owners_},
-                                  block);
-  bool all_known = true;
-  for (int k = 0; k < block.n; ++k) all_known &= block.re[k] == block.re[k];
-  for (int k = 0; !all_known && k < block.n; ++k)
+  if (active_kernels().ground_speckle({ground_view(world_.grid, antenna_m_), wavelength_m_, seed_, owners_},
+                                      block))
+    return;
+  for (int k = 0; k < block.n; ++k)
     if (std::isnan(block.re[k])) respond_alone(block, k);
 }
 

@@ -28,11 +28,22 @@ OBLIQ_INLINE void prefetch_cells(const GridView& grid, f64x8 u, f64x8 v) {
     __builtin_prefetch(grid.y_m + node + static_cast<std::uint64_t>(grid.nx));
   }
 }
-/// Asks for the heights that profiles come to 32 cells later: memory has answered by then.
-OBLIQ_INLINE void prefetch_ahead(const GridView& grid, const ProfileRates<f64x8>& p,
-                                 const Cells<f64x8>& cells) {
-  const f64x8 ahead = cells.d + 32 * grid.cell_m;
-  prefetch_cells(grid, p.start_u + ahead * p.rate_u, p.start_v + ahead * p.rate_v);
+/// How many nodes further the heights lie that profiles come to 32 cells later: memory has answered by then.
+/// Of the two rows of nodes that they go between, the farther one: the other was asked for before, or lies
+/// along the way.
+OBLIQ_INLINE f64x8 nodes_ahead(const GridView& grid, const ProfileRates<f64x8>& p) {
+  const double cells = 32 * grid.cell_m;
+  return (nearest_integer(cells * p.rate_v) + p.ahead_j) * static_cast<double>(grid.nx) +
+         nearest_integer(cells * p.rate_u);
+}
+/// Asks for them; number: of the cells that profiles are in (number_of). Off the grid as well, where it asks
+/// in vain.
+OBLIQ_INLINE void prefetch_ahead(const GridView& grid, f64x8 number, f64x8 ahead) {
+  std::uint64_t at[kLanes];
+  store(at, to_i64(number + ahead));
+  for (const std::uint64_t node : at)
+    __builtin_prefetch(
+        reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(grid.y_m) + node * sizeof(float)));
 }
 
 }  // namespace obliq::OBLIQ_ISA

@@ -13,7 +13,7 @@ struct Row {
   unsigned seen = 0;
   f64x8 start{}, rise{}, from{}, length{}, height{}, width{}, plane_distance{};
 
-  OBLIQ_INLINE explicit Row(const SegmentRows& rows) {
+  OBLIQ_INLINE Row(const SegmentRows& rows, bool wants_planes) {
     if (rows.first >= rows.end) return;
     const VisibleSegments& segments = *rows.segments;
     const int row = rows.first;
@@ -24,7 +24,7 @@ struct Row {
     length = load(segments.to_m[row]) - from;
     height = start + from * rise;
     width = load(segments.width_rad[row]);
-    plane_distance = load(segments.plane_distance_m[row]);
+    if (wants_planes) plane_distance = load(segments.plane_distance_m[row]);
   }
 };
 
@@ -214,8 +214,8 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
       room = false;
       break;
     }
-    const Row left(a);
-    const Row right(b);
+    const Row left(a, cut.echo.any_lobes);
+    const Row right(b, cut.echo.any_lobes);
     const auto bit =
         lane_by_lane<std::int32_t, n>([](int lane) __attribute__((always_inline)) { return 1 << lane; });
     Words<n> wanted = ((Words<n>{} + static_cast<std::int32_t>(left.seen | right.seen << kLanes)) & bit) != 0;

@@ -74,7 +74,8 @@ OBLIQ_INLINE f32x8 log_of_positive(f32x8 x) {
 
 }  // namespace
 
-void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
+bool ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
+  mask8 unknown{};
   const bool owned = ground.owners.ground;
   const double per_cell = 1 / ground.view.grid.cell_m;
   const double round_trips_a_m = 2 / ground.wavelength_m;
@@ -92,6 +93,7 @@ void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
     const f64x8 dy = height_at(ground.view.grid, x, z, per_cell) - ground.view.antenna_y_m;
     const f64x8 dz = z - ground.view.antenna_z_m;
     const f64x8 range = sqrt(dx * dx + dy * dy + dz * dz);
+    unknown |= range != range;
 
     if (owned) {
       const u64x8 bin = lane_by_lane<std::uint64_t, kLanes>([&](int lane) __attribute__((always_inline)) {
@@ -109,6 +111,7 @@ void ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
     store(block.re + k, converted<double>(amplitude * at.cos));
     store(block.im + k, converted<double>(amplitude * at.sin));
   }
+  return !any(unknown);
 }
 
 }  // namespace obliq::OBLIQ_ISA

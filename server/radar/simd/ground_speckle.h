@@ -31,7 +31,7 @@ struct SpeckleBlock {
   const WedgeEdges* edges = nullptr;
 };
 
-/// The same bits whatever the instruction set.
-OBLIQ_KERNEL(void, ground_speckle, const SpeckleGround&, const SpeckleBlock&);
+/// The same bits whatever the instruction set. False where some are NaN.
+OBLIQ_KERNEL(bool, ground_speckle, const SpeckleGround&, const SpeckleBlock&);
 
 }  // namespace obliq

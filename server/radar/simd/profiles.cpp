@@ -32,6 +32,7 @@ bool visible_ground(const GroundView& scene, SightProfiles& lanes, VisibleSegmen
   const GridView& grid = scene.grid;
   const ProfileRates<f64x8> p = rates_of(scene, lanes);
   const double cells_per_m = 1 / grid.cell_m;
+  const f64x8 ahead = nodes_ahead(grid, p);
   const f64x8 end_m = load(lanes.end_m);
   Cells<f64x8> cells = cells_of(lanes);
   Horizon<f64x8> horizon{load(lanes.horizon_d_m), load(lanes.horizon_h_m), mask8{}};
@@ -55,7 +56,7 @@ bool visible_ground(const GroundView& scene, SightProfiles& lanes, VisibleSegmen
   const auto cell = [&](mask8 /*active*/, mask8 /*known*/, f64x8 at, f64x8 /*end*/)
       __attribute__((always_inline)) {
     number = at;
-    prefetch_ahead(grid, p, cells);
+    prefetch_ahead(grid, at, ahead);
   };
   const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
       __attribute__((always_inline)) {
@@ -64,15 +65,16 @@ bool visible_ground(const GroundView& scene, SightProfiles& lanes, VisibleSegmen
     const auto sight = horizon.pass(where, start, rise, d0, d1, where);
     const unsigned seen = movemask(sight.any & (width > 0.0));
     if (seen == 0) return;
-    const f64x8 slope_x = cut.per_i * cells_per_m;
-    const f64x8 slope_z = cut.per_j * cells_per_m;
-    const f64x8 steepness = sqrt(1.0 + slope_x * slope_x + slope_z * slope_z);
     segments.seen[n] = seen;
     store(segments.from_m[n], sight.from);
     store(segments.to_m[n], d1);
     store(segments.start_m[n], start);
     store(segments.rise[n], rise);
-    store(segments.plane_distance_m[n], -start / steepness);
+    if (segments.wants_planes) {
+      const f64x8 slope_x = cut.per_i * cells_per_m;
+      const f64x8 slope_z = cut.per_j * cells_per_m;
+      store(segments.plane_distance_m[n], -start / sqrt(1.0 + slope_x * slope_x + slope_z * slope_z));
+    }
     store(segments.width_rad[n], width);
     store(segments.cell[n], number);
     ++n;
@@ -119,6 +121,7 @@ OBLIQ_INLINE void close(RangeRun<f64x8>& run, mask8 where, const RangeAxis& bins
 
 unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, RangeProfiles& lanes) {
   const ProfileRates<f64x8> p = rates_of(scene, lanes);
+  const f64x8 ahead = nodes_ahead(scene.grid, p);
   const f64x8 end_m = load(lanes.end_m);
   const f64x8 roof_m = load(lanes.roof_m);
   Cells<f64x8> cells = cells_of(lanes);
@@ -132,9 +135,9 @@ unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, Ran
     at_roof = movemask(active & (roof_m <= max(cells.d, min(ends.nearest, to))));
     return at_roof != 0 ? mask8{} : active;
   };
-  const auto cell = [&](mask8 active, mask8 known, f64x8 /*number*/, f64x8 /*end*/)
+  const auto cell = [&](mask8 active, mask8 known, f64x8 number, f64x8 /*end*/)
       __attribute__((always_inline)) {
-    prefetch_ahead(scene.grid, p, cells);
+    prefetch_ahead(scene.grid, number, ahead);
     if (const mask8 gap = active & ~known; any(gap)) {
       close(state.visible, gap, bins, lanes.visible);
       close(state.present, gap, bins, lanes.present);

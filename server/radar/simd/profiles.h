@@ -39,8 +39,9 @@ struct VisibleSegments {
   static constexpr int kMost = 64;
   using Row = double[SightProfiles::kLanes];
   int n = 0;
-  unsigned seen[kMost];  ///< profiles that the row has a segment of, a bit each; what it has of others means
-                         ///< nothing
+  bool wants_planes = true;  ///< plane_distance_m is filled in
+  unsigned seen[kMost];      ///< profiles that the row has a segment of, a bit each; what it has of others
+                             ///< means nothing
   Row from_m[kMost];
   Row to_m[kMost];
   Row start_m[kMost];

@@ -48,6 +48,7 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
           {}};
   // Of ground of one material that has none itself, the lobes of the others are not looked up.
   if (cut_.material == nullptr) cut_.echo.any_lobes = cut_.echo.peak[0] > 0;
+  for (VisibleSegments& segments : segments_) segments.wants_planes = cut_.echo.any_lobes;
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
   echoes_.n = 0;
   if (!cells.wants_labels()) return;
