@@ -14,6 +14,7 @@ TYPES = ModbusTcpClient.DATATYPE
 DATATYPE = {"u16": TYPES.UINT16, "u32": TYPES.UINT32, "i32": TYPES.INT32, "i64": TYPES.INT64, "u64": TYPES.UINT64,
             "f32": TYPES.FLOAT32}
 ILLEGAL_ADDRESS, ILLEGAL_VALUE = 2, 3
+AUTO = -2 ** 31  # the count, where "auto" is allowed
 COIL = {"transmit": 0, "freeze": 1, "apply": 2, "clear_faults": 3, "discard": 4, "reset": 5, "exercise_freeze": 6}
 
 faults = []
@@ -44,7 +45,7 @@ class Setpoint:
         scale = re.match(r"1e-(\d+)", count)
         self.counts = 10 ** int(scale.group(1)) if scale else 1
         self.choices = [int(n) for n in re.findall(r"(?:^|, )(\d+) [a-z]+(?=,|$)", self.allowed)]
-        limits = re.match(r"(?:number|integer) (?:above )?(\S+?),?(?: to | at most )(\S+)", self.allowed)
+        limits = re.match(r"(?:"auto" or a )?(?:number|integer) (?:above )?(\S+?),?(?: to | at most )(\S+)", self.allowed)
         self.limits = [float(x) for x in limits.groups()] if limits else None
 
     def another(self, value):
@@ -56,7 +57,7 @@ class Setpoint:
         if self.type in ("i64", "u64"):
             return value + 2 ** 33 + 1  # more than 32 bits hold
         if self.type == "i32":
-            return value + 1001
+            return 1001 if value == AUTO else value + 1001
         return value + self.step if self.counts == 1 else value + 250
 
     def out_of_limits(self):
