@@ -233,6 +233,8 @@ void set_otherwise(const Parameter& p, RadarConfig& config) {
           *place = static_cast<T>(*place == T{} ? p.key.choices.size() - 1 : 0);
         else if constexpr (std::is_same_v<T, double>)
           *place = far(*place) / 3 + *place * 2 / 3;  // with all its bits
+        else if constexpr (std::is_same_v<T, std::optional<double>>)
+          *place = limits.high / 3;
         else if constexpr (std::is_integral_v<T>)
           *place = std::isfinite(limits.high) ? static_cast<T>(far(static_cast<double>(*place)))
                    : std::is_signed_v<T>      ? std::numeric_limits<T>::min()
