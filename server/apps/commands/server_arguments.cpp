@@ -205,7 +205,8 @@ void write_named(const std::vector<std::string>& flags, const PoseSettings& pose
   RadarConfig named{"", {}, pose};
   const google::protobuf::Reflection& reflection = *all.GetReflection();
   for (const Parameter& parameter : parameters()) {
-    if (parameter.message != WireMessage::pose || names_key(flags, parameter.key.name)) continue;
+    if (parameter.message != WireMessage::pose) continue;
+    if (names_key(flags, parameter.key.name) && !is_left_open(parameter.slot(named))) continue;
     reflection.ClearField(&all, all.GetDescriptor()->FindFieldByName(std::string(parameter.wire_field)));
   }
   // A number ends "auto" by itself; "auto" is no number.
