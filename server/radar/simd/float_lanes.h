@@ -11,19 +11,17 @@ namespace obliq {
 constexpr int kFloatLanes = 16;
 using f32x16 = Lanes<float, kFloatLanes>;
 using i32x16 = Lanes<std::int32_t, kFloatLanes>;
-using mask16 = i32x16;  ///< all bits of a lane set, or none
+using mask16 = Lanes<MaskOf<float>, kFloatLanes>;
 
-OBLIQ_INLINE f32x16 all_lanes(float value) { return f32x16{} + value; }
-OBLIQ_INLINE i32x16 all_lanes(std::int32_t value) { return i32x16{} + value; }
+OBLIQ_INLINE f32x16 all_lanes(float value) { return every(static_cast<const f32x16*>(nullptr), value); }
+OBLIQ_INLINE i32x16 all_lanes(std::int32_t value) {
+  return every(static_cast<const i32x16*>(nullptr), value);
+}
 
 OBLIQ_INLINE f32x16 load_floats(const float* from) { return load_as<f32x16>(from); }
 OBLIQ_INLINE void store(float* to, f32x16 lanes) { to_memory(to, lanes); }
 
-OBLIQ_INLINE mask16 mask16_from(unsigned mask) {
-  const auto bit = lane_by_lane<std::int32_t, kFloatLanes>(
-      [](int lane) __attribute__((always_inline)) { return 1 << lane; });
-  return (all_lanes(static_cast<std::int32_t>(mask)) & bit) != 0;
-}
+OBLIQ_INLINE mask16 mask16_from(unsigned mask) { return flags_of(static_cast<const mask16*>(nullptr), mask); }
 
 /// from[at], at any whole numbers within the array.
 OBLIQ_LANES Lanes<float, n> gather(const float* from, Lanes<T, n> at) {

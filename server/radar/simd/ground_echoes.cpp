@@ -63,10 +63,9 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
 /// those that are not done are in `wanted`, from parts.at on.
 template <bool kSines, int n, class Labels>
-OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, Running<n>& now,
+OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, Running<n>& now,
                       GroundEchoes& out, Labels& labels) {
   using Float = Floats<n>;
-  using Word = Words<n>;
   const auto r_min = static_cast<float>(cut.axis.r_min_m);
   const auto spacing = static_cast<float>(cut.axis.range_spacing_m);
   const float bins_per_m = 1 / spacing;
@@ -91,7 +90,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
   const Float first_bin = bin_of(nearest);
   const Float last_bin = bin_of(farthest);
   const Float cuts = select(wanted, last_bin - first_bin, Float{});
-  const Word outwards = last_r > first_r;
+  const Where<n> outwards = last_r > first_r;
   const Float sign = select(outwards, all<n>(1.0F), all<n>(-1.0F));
   // Range squared grows by t (2 along + rate2 t) from where the part begins.
   const Float along = first_d + parts.rise * first_h;
@@ -106,7 +105,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
       parts.at += t0;
       return false;
     }
-    const Word at_end = cuts < k;
+    const Where<n> at_end = cuts < k;
     Float t1 = length;
     Float r1 = last_r;
     Float bin = first_bin;
@@ -129,8 +128,8 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
     const Float turned = r01 + (d0 * d1 + h0 * h1);
     const Float lit = parts.facing * (t1 - t0) * (d0 * r1 + d1 * r0);
     const Float third = (r0 * r0 + r01 + r1 * r1) * (1.0F / 3);
-    const Word in_swath = wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) &
-                          (r01 > static_cast<float>(kNearest_m * kNearest_m));
+    const Where<n> in_swath = wanted & (lit > 0.0F) & (bin >= 0.0F) & (bin < n_range) &
+                              (r01 > static_cast<float>(kNearest_m * kNearest_m));
     if (any(in_swath)) {
       Float gain = parts.gain;
       const Float over = 1.0F / (r01 * turned);
@@ -155,14 +154,14 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Words<n>& wanted, R
       }
       Float light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
       if (cut.kept[0] != nullptr) {
-        const Word at =
+        const Words<n> at =
             truncated(select(in_swath, bin, Float{})) * kLanes + (lane_numbers<std::int32_t, n>() & 7) +
             static_cast<std::int32_t>(cut.kept[1] - cut.kept[0]) * (lane_numbers<std::int32_t, n>() >> 3);
         light *= gather(cut.kept[0], at);
       }
-      const Word has = in_swath & (light > 0.0F);
-      const Word same = has & (bin == now.bin);
-      const Word fresh = has & ~same;
+      const Where<n> has = in_swath & (light > 0.0F);
+      const Where<n> same = has & (bin == now.bin);
+      const Where<n> fresh = has & ~same;
       if (const unsigned ended = movemask(fresh & (now.bin >= 0.0F)); ended != 0)
         put<kSines>(ended, now, out);
       if constexpr (kSines)
@@ -216,9 +215,7 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     }
     const Row left(a, cut.echo.any_lobes);
     const Row right(b, cut.echo.any_lobes);
-    const auto bit =
-        lane_by_lane<std::int32_t, n>([](int lane) __attribute__((always_inline)) { return 1 << lane; });
-    Words<n> wanted = ((Words<n>{} + static_cast<std::int32_t>(left.seen | right.seen << kLanes)) & bit) != 0;
+    Where<n> wanted = flags_of(static_cast<const Where<n>*>(nullptr), left.seen | right.seen << kLanes);
     Parts<n> parts;
     parts.from = OBLIQ_OF_ROWS(from);
     parts.height = OBLIQ_OF_ROWS(height);
@@ -239,8 +236,8 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     // Range falls and rises again where the foot of the perpendicular from the antenna lies on a segment.
     const Float rate2 = 1.0F + parts.rise * parts.rise;
     const Float along = parts.from + parts.rise * parts.height;
-    const Words<n> turns = wanted & (along < 0.0F) & (along + rate2 * parts.end > 0.0F);
-    Words<n> left_over{};
+    const Where<n> turns = wanted & (along < 0.0F) & (along + rate2 * parts.end > 0.0F);
+    Where<n> left_over{};
     if (any(turns)) {
       const Float whole = parts.end;
       const Float turn = clamp(-along / rate2, Float{}, whole);

@@ -52,7 +52,7 @@ OBLIQ_INLINE SinCosOf<f32x8> sincos_of_fraction(f32x8 turns) {
   const f32x8 c =
       1.0F + z * (-0.5F + z * (1.0F / 24 + z * (-1.0F / 720 + z * (1.0F / 40320 + z * (-1.0F / 3628800)))));
   const i32x8 quarter = OBLIQ_ISA::bits_as<std::int32_t>(shifted);
-  const i32x8 odd = (quarter & 1) != 0;
+  const auto odd = (quarter & 1) != 0;
   const auto signed_by = [](f32x8 of, i32x8 bit) __attribute__((always_inline)) {
     return OBLIQ_ISA::bits_as<float>(OBLIQ_ISA::bits_as<std::int32_t>(of) ^ ((bit & 2) << 30));
   };
@@ -63,9 +63,10 @@ OBLIQ_INLINE SinCosOf<f32x8> sincos_of_fraction(f32x8 turns) {
 OBLIQ_INLINE f32x8 log_of_positive(f32x8 x) {
   const i32x8 bits = OBLIQ_ISA::bits_as<std::int32_t>(x);
   const f32x8 m = OBLIQ_ISA::bits_as<float>((bits & 0x007fffff) | 0x3f800000);
-  const i32x8 high = m > 1.41421356F;
+  const auto high = m > 1.41421356F;
   const f32x8 mantissa = select(high, 0.5F * m, m);
-  const f32x8 exponent = converted<float>((bits >> 23) - 127 - high);
+  const f32x8 exponent =
+      select(high, converted<float>((bits >> 23) - 126), converted<float>((bits >> 23) - 127));
   const f32x8 s = (mantissa - 1.0F) / (mantissa + 1.0F);
   const f32x8 z = s * s;
   return 2.0F * s * (1.0F + z * (1.0F / 3 + z * (1.0F / 5 + z * (1.0F / 7 + z * (1.0F / 9))))) +

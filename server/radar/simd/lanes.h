@@ -9,7 +9,7 @@
 
 #include "terrain/base/select.h"
 #if defined(OBLIQ_ISA)
-#include "server/radar/simd/registers.h"
+#include "server/radar/simd/masks.h"
 #endif
 
 #define OBLIQ_INLINE [[gnu::always_inline]] inline
@@ -51,18 +51,8 @@ OBLIQ_LANES Lanes<T, n> sqrt(Lanes<T, n> x) {
     return OBLIQ_ISA::lanes_from<Lanes<T, n>>(OBLIQ_ISA::root(intrinsic(x)));
 }
 /// A bit for each lane, the first lane's the lowest.
-OBLIQ_LANES unsigned movemask(Lanes<T, n> flags) {
-  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr))
-    return movemask(flags.low) | movemask(flags.high) << n / 2;
-  else
-    return OBLIQ_ISA::bits(intrinsic(flags));
-}
-OBLIQ_LANES bool any(Lanes<T, n> flags) {
-  if constexpr (!OBLIQ_ISA::is_one<T, n>(nullptr))
-    return any(flags.low | flags.high);
-  else
-    return OBLIQ_ISA::bits(intrinsic(flags)) != 0;
-}
+OBLIQ_LANES unsigned movemask(Lanes<T, n> flags) { return bits_of(flags); }
+OBLIQ_LANES bool any(Lanes<T, n> flags) { return any_of(flags); }
 OBLIQ_LANES Lanes<T, n> inverse(Lanes<T, n> where) { return ~where; }
 
 #endif
@@ -125,10 +115,10 @@ OBLIQ_INLINE std::uint64_t to_i64(double whole) {
 constexpr int kLanes = 8;
 using f64x8 = Lanes<double, kLanes>;
 using u64x8 = Lanes<std::uint64_t, kLanes>;
-using mask8 = Lanes<std::int64_t, kLanes>;  ///< all bits of a lane set, or none
+using mask8 = Lanes<MaskOf<double>, kLanes>;
 using f32x8 = Lanes<float, kLanes>;
 
-OBLIQ_INLINE f64x8 broadcast(double value) { return f64x8{} + value; }
+OBLIQ_INLINE f64x8 broadcast(double value) { return every(static_cast<const f64x8*>(nullptr), value); }
 
 /// As many as the type has.
 template <typename Type, typename T>
@@ -155,11 +145,7 @@ OBLIQ_INLINE void store_i32(std::int32_t* to, f64x8 lanes) { to_memory(to, conve
 OBLIQ_INLINE u64x8 as_bits(f64x8 lanes) { return OBLIQ_ISA::bits_as<std::uint64_t>(lanes); }
 OBLIQ_INLINE f64x8 as_doubles(u64x8 bits) { return OBLIQ_ISA::bits_as<double>(bits); }
 
-OBLIQ_INLINE mask8 mask_from(unsigned mask) {
-  const u64x8 bit = lane_by_lane<std::uint64_t, kLanes>(
-      [](int lane) __attribute__((always_inline)) { return std::uint64_t{1} << lane; });
-  return ((u64x8{} + mask) & bit) != 0;
-}
+OBLIQ_INLINE mask8 mask_from(unsigned mask) { return flags_of(static_cast<const mask8*>(nullptr), mask); }
 
 /// The lanes of a mask moved together to the front; what is behind them means nothing.
 OBLIQ_INLINE f64x8 compress(unsigned mask, f64x8 x) {

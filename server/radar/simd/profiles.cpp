@@ -153,12 +153,13 @@ unsigned mark_visible_ranges(const GroundView& scene, const RangeAxis& bins, Ran
   };
   march(scene, p, end_m, cells, next, cell, triangle);
   store_cells(lanes, cells);
+  const unsigned joined = movemask(state.joined);
   for (int lane = 0; lane < kLanes; ++lane)
     lanes.state[lane] = {{state.horizon.d_m[lane], state.horizon.h_m[lane], false},
                          {state.visible.least2[lane], state.visible.greatest2[lane]},
                          {state.present.least2[lane], state.present.greatest2[lane]},
                          state.last_h_m[lane],
-                         state.joined[lane] != 0};
+                         (joined >> lane & 1) != 0};
   return at_roof;
 }
 

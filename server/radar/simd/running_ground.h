@@ -12,10 +12,12 @@ template <int n>
 using Floats = Lanes<float, n>;
 template <int n>
 using Words = Lanes<std::int32_t, n>;
+template <int n>
+using Where = Lanes<MaskOf<float>, n>;
 
 template <int n>
 OBLIQ_INLINE Floats<n> all(float value) {
-  return Floats<n>{} + value;
+  return every(static_cast<const Floats<n>*>(nullptr), value);
 }
 template <int n>
 OBLIQ_INLINE Words<n> truncated(Floats<n> x) {
@@ -134,10 +136,10 @@ struct Stretch {
   }
 
   /// Goes on with a part of the surface, in the lanes that see it.
-  OBLIQ_INLINE void add(Words<n> seen, Floats<n> in_bin, Floats<n> of, Floats<n> d0, Floats<n> h0,
+  OBLIQ_INLINE void add(Where<n> seen, Floats<n> in_bin, Floats<n> of, Floats<n> d0, Floats<n> h0,
                         Floats<n> d1, Floats<n> h1, Floats<n> part_light) {
-    const Words<n> same = seen & (in_bin == bin) & (of == material) & (d0 - end < GroundStretches::kGap_m);
-    const Words<n> fresh = seen & ~same;
+    const Where<n> same = seen & (in_bin == bin) & (of == material) & (d0 - end < GroundStretches::kGap_m);
+    const Where<n> fresh = seen & ~same;
     if (const unsigned ended = movemask(fresh & (bin >= 0.0F)); ended != 0) {
       put_front(out.at + out.n, ended,
                 places<n>(bin) | words<n>(truncated(material) << GroundStretches::kMaterialBit));

@@ -16,13 +16,12 @@ template <int n>
 using Floats = Lanes<float, n>;
 template <int n>
 using Numbers = Lanes<std::int32_t, n>;
-/// All bits of a lane set, or none.
 template <int n>
-using Where = Numbers<n>;
+using Where = Lanes<MaskOf<float>, n>;
 
 template <int n>
 OBLIQ_INLINE Floats<n> in_all(float value) {
-  return Floats<n>{} + value;
+  return every(static_cast<const Floats<n>*>(nullptr), value);
 }
 
 /// Heights above the antenna.
@@ -232,11 +231,22 @@ OBLIQ_INLINE void add_echoes(const SubColumns& columns, Where<n> which, int edge
   }
 }
 
+/// Adds up term(0) to term(n - 1) in the order of sum_of().
+template <int n, int first = 0, int step = 1, typename Term>
+OBLIQ_INLINE auto sum_of_terms(const Term& term) {
+  if constexpr (step == n)
+    return term(first);
+  else
+    return sum_of_terms<n, first, 2 * step>(term) + sum_of_terms<n, first + step, 2 * step>(term);
+}
+
 /// Takes what each sub-column hides, slopes `from` to `to` of its plane's ground from node k on, off the
-/// nodes.
+/// nodes: a register of nodes at a time, one sub-column after the other.
 template <int n>
 OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> which, Numbers<n> plane, Numbers<n> k,
                               Floats<n> cover, Floats<n> from, Floats<n> to) {
+  constexpr int kNodes = OBLIQ_ISA::kRegisterBytes / static_cast<int>(sizeof(float));
+  using Nodes = Floats<kNodes>;
   const NodeProfiles& nodes = columns.nodes;
   const float until = greatest_of(select(which, to, in_all<n>(kLowest)));
   // Planes rise with the lanes.
@@ -244,18 +254,60 @@ OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> which, Numbers
   const int first_plane = plane[__builtin_ctz(lanes)];
   const int last_plane = plane[31 - __builtin_clz(lanes)];
   const auto node = static_cast<int>(least_of(select(which, floats_of(k), in_all<n>(1e9F))));
+  float from_of[n], to_of[n], share_of[n];
+  to_memory(from_of, from);
+  to_memory(to_of, to);
   for (int p = first_plane; p <= last_plane; ++p) {
     const float* const horizon = nodes.horizon + static_cast<std::ptrdiff_t>(p) * nodes.stride;
     float* const hidden = nodes.hidden + static_cast<std::ptrdiff_t>(p) * nodes.stride;
-    const Floats<n> share = select(which & (plane == p), cover * columns.per_plane[p], Floats<n>{});
-    for (int at = node; at + 1 < nodes.n_nodes && horizon[at] < until; ++at) {
-      if (!(horizon[at + 1] > horizon[at])) continue;
-      const Floats<n> covered =
-          max(min(in_all<n>(horizon[at + 1]), to) - max(in_all<n>(horizon[at]), from), Floats<n>{}) * share;
-      hidden[at] += sum_of(covered);
+    to_memory(share_of, select(which & (plane == p), cover * columns.per_plane[p], Floats<n>{}));
+    // Behind the node where nothing is hidden any more, and behind the last one, nothing counts.
+    for (int at = node; at + 1 < nodes.n_nodes && horizon[at] < until; at += kNodes) {
+      const auto here = load_as<Nodes>(horizon + at);
+      const auto next = load_as<Nodes>(horizon + at + 1);
+      const auto hides = [&](int lane) __attribute__((always_inline)) {
+        return max(min(next, in_all<kNodes>(to_of[lane])) - max(here, in_all<kNodes>(from_of[lane])),
+                   Nodes{}) *
+               share_of[lane];
+      };
+      to_memory(hidden + at, load_as<Nodes>(hidden + at) + sum_of_terms<n>(hides));
     }
   }
 }
+
+/// What the edges of a part have for all sub-columns.
+struct Edges {
+  float from[ConvexShape::kMost], to[ConvexShape::kMost];  // tangents
+  float right_m[ConvexShape::kMost];                       // that an edge goes
+  float half_ahead_m[ConvexShape::kMost];
+  float cross[ConvexShape::kMost];
+  float nearest_m[ConvexShape::kMost], farthest_m[ConvexShape::kMost];
+  float bend[ConvexShape::kMost];
+
+  OBLIQ_INLINE explicit Edges(const ConvexShape& shape) {
+    constexpr int kEdges = 8;
+    using Each = Floats<kEdges>;
+    for (int e = 0; e < shape.n; e += kEdges) {
+      const auto t0 = load_as<Each>(shape.tangent + e);
+      const auto t1 = load_as<Each>(shape.tangent + e + 1);
+      const auto right0 = load_as<Each>(shape.right_m + e);
+      const auto ahead0 = load_as<Each>(shape.ahead_m + e);
+      const auto ahead1 = load_as<Each>(shape.ahead_m + e + 1);
+      const Each dr = load_as<Each>(shape.right_m + e + 1) - right0;
+      const Each da = ahead1 - ahead0;
+      const Each of_cross = ahead0 * dr - right0 * da;
+      const Each of_bend = da / of_cross;
+      to_memory(from + e, min(t0, t1));
+      to_memory(to + e, max(t0, t1));
+      to_memory(right_m + e, dr);
+      to_memory(half_ahead_m + e, 0.5F * da);
+      to_memory(cross + e, of_cross);
+      to_memory(nearest_m + e, min(ahead0, ahead1));
+      to_memory(farthest_m + e, max(ahead0, ahead1));
+      to_memory(bend + e, max(of_bend, -of_bend));
+    }
+  }
+};
 
 template <int n>
 OBLIQ_INLINE void see_in(const SubColumns& columns, const ConvexShape& shape, int first, PartEchoes& out) {
@@ -269,30 +321,26 @@ OBLIQ_INLINE void see_in(const SubColumns& columns, const ConvexShape& shape, in
   WallShare<n> walls[ConvexShape::kMost];
   int n_walls = 0;
   Floats<n> near_sum{}, near_cover{}, far_sum{}, far_cover{};
+  const Edges edges(shape);
   for (int e = 0; e < shape.n; ++e) {
-    const float t0 = shape.tangent[e];
-    const float t1 = shape.tangent[e + 1];
-    const Floats<n> from = max(in_all<n>(min(t0, t1)), left);
-    const Floats<n> to = min(in_all<n>(max(t0, t1)), right);
+    const Floats<n> from = max(in_all<n>(edges.from[e]), left);
+    const Floats<n> to = min(in_all<n>(edges.to[e]), right);
     const Floats<n> cover = max((to - from) * per_width, Floats<n>{});
     const Where<n> in = cover > 0.0F;
     if (!any(in)) continue;
     // On the edge 1 / distance is linear in the tangent.
-    const float dr = shape.right_m[e + 1] - shape.right_m[e];
-    const float da = shape.ahead_m[e + 1] - shape.ahead_m[e];
-    const float cross = shape.ahead_m[e] * dr - shape.right_m[e] * da;
-    const float nearest = min(shape.ahead_m[e], shape.ahead_m[e + 1]);
-    const float farthest = max(shape.ahead_m[e], shape.ahead_m[e + 1]);
+    const float cross = edges.cross[e];
+    const Floats<n> nearest = in_all<n>(edges.nearest_m[e]);
+    const Floats<n> farthest = in_all<n>(edges.farthest_m[e]);
     const Floats<n> ahead =
-        clamp(cross / (dr - (from + to) * (0.5F * da)), in_all<n>(nearest), in_all<n>(farthest));
-    const Floats<n> distance = select(in, ahead * secant, in_all<n>(nearest));
+        clamp(cross / (edges.right_m[e] - (from + to) * edges.half_ahead_m[e]), nearest, farthest);
+    const Floats<n> distance = select(in, ahead * secant, nearest);
     if (cross > 0) {
       near_sum += cover * distance;
       near_cover += cover;
       if ((shape.walls >> e & 1) == 0) continue;
-      const float bend = da / cross;
-      const Floats<n> spread = max(ahead * ahead * (bend < 0 ? -bend : bend) * (to - from), Floats<n>{});
-      walls[n_walls++] = {e, cover, distance, min(spread, in_all<n>(farthest - nearest)) * 0.5F};
+      const Floats<n> spread = max(ahead * ahead * edges.bend[e] * (to - from), Floats<n>{});
+      walls[n_walls++] = {e, cover, distance, min(spread, farthest - nearest) * 0.5F};
     } else {
       far_sum += cover * distance;
       far_cover += cover;

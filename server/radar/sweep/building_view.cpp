@@ -90,6 +90,7 @@ SinCos BuildingView::bearing(double position) const {
   const Buildings& all = plan_.scene().world().buildings;
   const Part& part = parts_[from + kAskAhead];
   __builtin_prefetch(&all.list[part.building]);
+  plan_.seen().ask_for(part.building);
   // first_corner() of the building, whose record need not be there yet.
   __builtin_prefetch(&all.ring_xz_m[part.roof_face - part.building]);
 }
