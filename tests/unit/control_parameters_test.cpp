@@ -33,7 +33,9 @@ bool mentions(const std::vector<FieldError>& errors, std::string_view field) {
 /// What any member can be made of.
 struct Anything {
   template <class T>
-  operator T() const;
+  operator T() const {
+    return {};
+  }
 };
 
 /// How many members an aggregate has.
