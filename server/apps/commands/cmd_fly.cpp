@@ -206,7 +206,7 @@ void run(const FlyArguments& arguments) {
   heed_interrupts();
   if (arguments.datagrams.wanted()) {
     client::Client client = connect_to_server(arguments.server, "obliq fly");
-    const std::string radar = choose_remote_radar(client, arguments.server);
+    const std::string radar = choose_flown(client, arguments.server);
     return fly_by_datagrams(std::move(client), radar, arguments.datagrams, arguments.rate_hz,
                             arguments.reference, arguments.reconnect_s);
   }
@@ -215,7 +215,7 @@ void run(const FlyArguments& arguments) {
   client::ResumeOptions resume = reconnecting(arguments.reconnect_s);
   resume.give_up = [] { return interrupted(); };
   client::ResumingClient client(connect_to_server(arguments.server, "obliq fly"), resume);
-  const std::string radar = choose_remote_radar(client.client(), arguments.server);
+  const std::string radar = choose_flown(client.client(), arguments.server);
   require(client.claim(radar, wire::kPoseClaim));
   Flight flight(client, radar, arguments);
   TrackPoint point;
