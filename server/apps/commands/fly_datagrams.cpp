@@ -203,18 +203,26 @@ class Ride {
     }
   }
 
-  /// The radar as a whole is as its entity, where no other client holds its settings.
+  /// The radar as a whole, or all that ride on the platform, is as its entity.
   void freeze() {
     is_frozen_ = stopped_since_.has_value();
     next_order_ = Clock::now() + kPause;
+    wire::RadarInfo info;
+    if (const client::Status status = client_.client().get_radar(radar_, info); !status.ok())
+      return add_news(radar_ + ": " + status.sentence());
+    if (info.riders().empty()) return freeze(radar_);
+    for (const std::string& rider : info.riders()) freeze(rider);
+  }
+  /// Where no other client holds its settings.
+  void freeze(const std::string& radar) {
     client::Client& client = client_.client();
-    client::Status status = client.claim(radar_, wire::kSettingsClaim);
+    client::Status status = client.claim(radar, wire::kSettingsClaim);
     if (status.ok()) {
-      status = client.set_state(radar_, std::nullopt, is_frozen_);
-      (void)client.release(radar_, wire::kSettingsClaim);
+      status = client.set_state(radar, std::nullopt, is_frozen_);
+      (void)client.release(radar, wire::kSettingsClaim);
     }
     if (!status.ok())
-      add_news(radar_ + (is_frozen_ ? " is not frozen: " : " is not thawed: ") + status.sentence());
+      add_news(radar + (is_frozen_ ? " is not frozen: " : " is not thawed: ") + status.sentence());
   }
 
   void leave(const char* how) {
