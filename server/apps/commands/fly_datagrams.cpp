@@ -86,8 +86,12 @@ class Ride {
   void note_loss() { lost_ = true; }
 
   Ride(client::ResumingClient& client, std::string radar, const DatagramSource& source, double rate_hz,
-       const std::string& height_reference)
-      : client_(client), radar_(std::move(radar)), source_(source), rate_hz_(rate_hz) {
+       const std::string& height_reference, double height_unit_m)
+      : client_(client),
+        radar_(std::move(radar)),
+        source_(source),
+        rate_hz_(rate_hz),
+        height_unit_m_(height_unit_m) {
     if (!source.entity.empty()) {
       entity_ = parse_entity_id(source.entity);
       if (!entity_)
@@ -253,11 +257,12 @@ class Ride {
     wire::Pose pose;
     pose.set_latitude_deg(ownship.latitude_deg);
     pose.set_longitude_deg(ownship.longitude_deg);
-    pose.set_height_m(ownship.height_m);
+    pose.set_height_m(entity_ ? ownship.height_m : ownship.height_m * height_unit_m_);
     set_heading(client_.client(), says_bearing_, ownship.heading_deg, source_.look_deg, pose);
     pose.set_sim_time_ns(sim_time_ns);
     pose.set_pose_id(pose_id);
     if (new_time_line) pose.set_new_time_line(true);
+    if (source_.time_rate != 1) pose.set_time_rate(source_.time_rate);
     if (reference_) pose.set_height_reference(*reference_);
     if (const auto& velocity_m_s = ownship.velocity_m_s) {
       pose.set_velocity_north_m_s((*velocity_m_s)[0]);
@@ -291,6 +296,7 @@ class Ride {
   const std::string radar_;
   const DatagramSource& source_;
   const double rate_hz_;
+  const double height_unit_m_;
   std::optional<EntityId> entity_;
   std::optional<wire::HeightReference> reference_;
   UniqueFd socket_;
@@ -360,6 +366,14 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
       ->type_name("M")
       ->default_val(0.0)
       ->check(number_from(-120, 120));
+  command
+      .add_option(
+          "--time-rate", source.time_rate,
+          "With --udp: seconds of the datagrams' clock in a second; 10 where the exercise runs ten times "
+          "as fast")
+      ->type_name("FACTOR")
+      ->default_val(1.0)
+      ->check(number_from(0.001, 1000));
 }
 
 bool is_lost(const client::ResumingClient& client, const client::Status& status) {
@@ -370,7 +384,8 @@ bool is_lost(const client::ResumingClient& client, const client::Status& status)
 }
 
 void fly_by_datagrams(client::Client connected, const std::string& radar, const DatagramSource& source,
-                      double rate_hz, const std::string& height_reference, int reconnect_s) {
+                      double rate_hz, const std::string& height_reference, double height_unit_m,
+                      int reconnect_s) {
   Ride* riding = nullptr;
   client::ResumeOptions resume = reconnecting(reconnect_s);
   resume.give_up = [] { return interrupted(); };
@@ -380,7 +395,7 @@ void fly_by_datagrams(client::Client connected, const std::string& radar, const 
   };
   client::ResumingClient client(std::move(connected), resume);
   require(client.claim(radar, wire::kPoseClaim));
-  Ride ride(client, radar, source, rate_hz, height_reference);
+  Ride ride(client, radar, source, rate_hz, height_reference, height_unit_m);
   riding = &ride;
   ride.run();
   ride.print_summary();
