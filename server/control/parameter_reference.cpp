@@ -97,8 +97,7 @@ std::string platform_page() {
          "`[radar.mount]`)\nsays where it is fixed, in the platform's own axes, which roll, pitch and "
          "heading "
          "turn. The antenna itself is stabilised.\n\n" +
-         std::string(kSceneHeader) + rows(KeyGroup::short_form, "radar.platform") +
-         rows(KeyGroup::short_form, "mount.") + rows(KeyGroup::list, "platform.");
+         std::string(kSceneHeader) + rows(KeyGroup::short_form, "mount.") + rows(KeyGroup::list, "platform.");
 }
 
 std::string daemon_section_names() {

@@ -61,8 +61,8 @@ TrackPoint on_the_way(const TrackPoint& a, const TrackPoint& b, double u) {
   point.longitude_deg = arc(a.longitude_deg, b.longitude_deg);
   point.height_m = part(a.height_m, b.height_m);
   point.bearing_deg = arc(a.bearing_deg, b.bearing_deg);
-  for (const auto& [name, value] : kMotionColumns)
-    if (a.*value && b.*value) point.*value = part(*(a.*value), *(b.*value));
+  for (const MotionColumn& column : kMotionColumns)
+    if (const auto value = column.value; a.*value && b.*value) point.*value = part(*(a.*value), *(b.*value));
   return point;
 }
 

@@ -1,6 +1,5 @@
 #include "server/apps/commands/fly_datagrams.h"
 
-#include <arpa/inet.h>
 #include <fmt/core.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -8,11 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -21,6 +18,7 @@
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
+#include "server/apps/commands/udp_socket.h"
 #include "server/apps/ownship/refused_datagrams.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
@@ -41,44 +39,6 @@ constexpr milliseconds kPause{1000};
 // A datagram that is older than the newest by more has not been overtaken on its way: the clock was set back.
 constexpr std::int64_t kReordered_ns = 1'000'000'000;
 constexpr std::size_t kMostDatagram = 2048;  // longer ones are cut, and only what a PDU adds is lost
-
-in_addr address_of(const std::string& text, const char* option, const char* allowed) {
-  in_addr address{};
-  if (inet_pton(AF_INET, text.c_str(), &address) != 1)
-    throw InputError(fmt::format("{}: found \"{}\"; allowed: {}", option, text, allowed));
-  return address;
-}
-
-/// shared: other programs of this machine may listen there, too.
-UniqueFd bind_udp(const std::string& address, const std::string& interface, int port, bool shared,
-                  int& bound_port) {
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_port = htons(static_cast<std::uint16_t>(port));
-  at.sin_addr = address_of(address, "--listen", "an IPv4 address of this machine, or a multicast group");
-  const bool is_group = IN_MULTICAST(ntohl(at.sin_addr.s_addr));
-  if (!interface.empty() && !is_group)
-    throw InputError(fmt::format("--interface: found {} with --listen {}; allowed: with a multicast group",
-                                 interface, address));
-  UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  const int on = 1;
-  if (shared || is_group) (void)setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  socklen_t size = sizeof at;
-  if (socket.get() < 0 || bind(socket.get(), reinterpret_cast<sockaddr*>(&at), size) != 0 ||
-      getsockname(socket.get(), reinterpret_cast<sockaddr*>(&at), &size) != 0)
-    throw InputError(fmt::format("{}:{}: cannot be listened to: {}", address, port, std::strerror(errno)));
-  bound_port = ntohs(at.sin_port);
-  if (!is_group) return socket;
-  ip_mreq group{at.sin_addr, {INADDR_ANY}};
-  if (!interface.empty())
-    group.imr_interface = address_of(interface, "--interface", "an IPv4 address of this machine");
-  if (setsockopt(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) != 0)
-    throw InputError(
-        fmt::format("{}: the group cannot be joined{}: {}", address,
-                    interface.empty() ? "; --interface ADDRESS names the network" : " on " + interface,
-                    std::strerror(errno)));
-  return socket;
-}
 
 /// What comes is sent on; what is no pose is counted and told.
 class Ride {
