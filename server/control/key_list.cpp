@@ -2,6 +2,7 @@
 
 #include "server/control/parameters.h"
 #include "server/control/sections/materials.h"
+#include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/sources.h"
 
@@ -38,11 +39,16 @@ std::vector<KeyText> all_keys() {
     list.push_back({KeyGroup::radar, std::string(p.key.name), p.key, std::string(type_name(slot)),
                     toml_text(load(p.key, slot)), allowed_text(p.key, slot), p.change, &p});
   }
-  add<RadarConfig>(list, KeyGroup::short_form, "", {{}, radar_special_keys()});
+  add<RadarConfig>(list, KeyGroup::short_form, "", {mount_rows(), radar_special_keys()});
   for (const Section* section : sections()) add(list, KeyGroup::section, "", section->keys);
   add(list, kBuildings);
   add(list, kPrisms);
   add(list, kSurfaces);
+  for (const Parameter* p : platform_parameters()) {
+    const Slot slot = p->slot(radar);
+    list.push_back({KeyGroup::list, platform_key(*p), p->key, std::string(type_name(slot)),
+                    toml_text(load(p->key, slot)), allowed_text(p->key, slot), Change::restart});
+  }
   add<MaterialKeys>(list, KeyGroup::material, "materials.NAME.", {material_rows()});
   return list;
 }

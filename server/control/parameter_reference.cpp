@@ -89,6 +89,17 @@ std::string preset_page() {
   return page;
 }
 
+std::string platform_page() {
+  return "\n## Platforms\n\nA radar with `radar.platform` rides on the `[[platform]]` of that name: SetPose, "
+         "`obliq fly --radar NAME` and `obliq pose --radar NAME`\nof the platform move all its radars at "
+         "once. "
+         "Its `[antenna]` has `tilt_deg` and `tilt_auto` alone; `[mount]` (or "
+         "`[radar.mount]`)\nsays where it is fixed, in the platform's own axes, which roll, pitch and "
+         "heading "
+         "turn. The antenna itself is stabilised.\n\n" +
+         std::string(kSceneHeader) + rows(KeyGroup::short_form, "mount.") + rows(KeyGroup::list, "platform.");
+}
+
 std::string daemon_section_names() {
   std::string names;
   for (const Section* section : sections())
@@ -108,7 +119,8 @@ std::string scene_pages() {
          "`terrain.synthetic`. Over synthetic ground\n`earth.radius_factor` defaults to `inf`.\n\n" +
          std::string(kSceneHeader) + rows(KeyGroup::section) +
          "\n`[[buildings]]`, `[[prisms]]` and `[[surfaces]]` may each occur several times:\n\n" +
-         kSceneHeader + rows(KeyGroup::list) +
+         kSceneHeader + rows(KeyGroup::list, "buildings.") + rows(KeyGroup::list, "prisms.") +
+         rows(KeyGroup::list, "surfaces.") +
          "\n## Materials\n\n`[materials.NAME]` changes a built-in material or adds one:\n\n" + kSceneHeader +
          rows(KeyGroup::material) +
          "\nThe built-in materials. Gamma is for 10 GHz and grazing angles between a few degrees and about "
@@ -202,7 +214,7 @@ std::string parameters_markdown() {
       "in a "
       "scene file\nalone.\n";
   page += "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) gives its encoding.\n";
-  return page + preset_page() + quality_page() + scene_pages();
+  return page + platform_page() + preset_page() + quality_page() + scene_pages();
 }
 
 std::string preset_text(std::string_view name) {

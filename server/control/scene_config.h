@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct SceneConfig {
   std::filesystem::path path;       ///< the file
   WorldSpec world;                  ///< origin, reaches and footprint filled in from the radars
   std::vector<Material> materials;  ///< by material id
-  std::vector<RadarConfig> radars;  ///< at least one; valid; names differ
-  int threads = 0;                  ///< 0: all cores
+  std::vector<std::shared_ptr<const PlatformConfig>> platforms;  ///< names differ, from the radars' too
+  std::vector<RadarConfig> radars;                               ///< at least one; valid; names differ
+  int threads = 0;                                               ///< 0: all cores
   RayMethod rays = RayMethod::march;
   ServerConfig server;
   StreamConfig stream;

@@ -9,6 +9,7 @@
 
 #include "server/control/key_list.h"
 #include "server/control/sections/materials.h"
+#include "server/control/sections/platform.h"
 #include "server/control/sections/radar.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/sources.h"
@@ -48,6 +49,7 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   read_list(scene, kPrisms);
   read_list(scene, kSurfaces);
   mark_used_materials(config);
+  read_platforms(scene);
   const std::vector<MissingPosition> missing = read_radars(scene);
   top.finish();
   complaints.throw_if_any();

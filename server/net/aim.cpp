@@ -37,6 +37,12 @@ std::vector<std::string> take_out_tilt(wire::Pose& message) {
   return names;
 }
 
+std::string came_late(const PoseSettings& pose, const PoseSettings& newest) {
+  return "sim_time_ns: found " + std::to_string(pose.sim_time_ns) + " after " +
+         std::to_string(newest.sim_time_ns) +
+         "; allowed: none that goes back, but with new_time_line; the pose is not taken";
+}
+
 Hand hand_of(const Claims& claims, const Peer* peer) {
   if (claims.taken(wire::kPoseClaim, peer) != 0) return Hand::operates;
   return claims.taken(wire::kSettingsClaim, peer) != 0 ? Hand::flyer : Hand::alone;

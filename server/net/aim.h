@@ -17,6 +17,9 @@ bool only_aims(const wire::Pose& message);
 /// Takes tilt out of the message; the names of the fields that were there.
 std::vector<std::string> take_out_tilt(wire::Pose& message);
 
+/// What is said of a pose that was not taken, since the newest one is of a later time.
+std::string came_late(const PoseSettings& pose, const PoseSettings& newest);
+
 /// Who moves a radar.
 enum class Hand {
   alone,    ///< one client has all, or nobody else the rest

@@ -5,13 +5,17 @@
 #include <algorithm>
 
 #include "proto/obliq.pb.h"
+#include "server/net/exercise_platforms.h"
 #include "server/net/exercise_radars.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 
 namespace obliq::net {
 
-Exercise::Exercise(Room& room) : room_(room) { join(std::make_unique<ExerciseRadars>(room)); }
+Exercise::Exercise(Room& room) : room_(room) {
+  join(std::make_unique<ExercisePlatforms>(room));  // before what rides on them
+  join(std::make_unique<ExerciseRadars>(room));
+}
 
 void Exercise::write(wire::ExerciseState& state) const {
   state.set_version(kExerciseVersion);

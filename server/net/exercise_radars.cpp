@@ -95,8 +95,10 @@ void ExerciseRadars::put(LiveRadar& radar, const Wanted& wanted, const std::stri
   Radars& radars = room_.radars();
   (void)radar.settings.set(wanted.config.settings);
   // A clock of its own begins with the next pose that has one.
-  (void)radars.take_pose(radar, wanted.config.pose, false);
-  radar.has_heading = false;
+  const PoseSettings& pose = wanted.config.pose;
+  const Platform* platform = radar.platform;  // which is where it is to be by now
+  (void)radars.take_pose(radar, platform ? riding(platform->pose, radar.initial.mount, pose) : pose, false);
+  radar.forget_heading();
   radar.rate_limit_hz = wanted.rate_limit_hz;
   radars.flip(radar, {std::nullopt, false}, by);  // for a moment: what is frozen is the state that is put
   radars.show(radar);

@@ -9,6 +9,7 @@
 #include "server/net/claims.h"
 #include "server/net/options.h"
 #include "server/net/peer.h"
+#include "server/net/platform.h"
 #include "server/rendering/demand.h"
 
 namespace obliq::net {
@@ -46,6 +47,7 @@ struct LiveRadar {
   std::shared_ptr<PoseTimeLine> poses;
   bool pose_has_sim_time = false;
   std::int64_t pose_received_ns = 0;
+  Platform* platform = nullptr;  ///< that it rides on; null: none
   bool has_heading = false;  ///< whoever flies it says where the nose points; else the bearing is the heading
   Claims claims;
   std::vector<Watcher> watchers;
@@ -66,6 +68,8 @@ struct LiveRadar {
   bool frozen = false;       ///< the render thread keeps the view that it has
   double rate_limit_hz = 0;  ///< 0: none
 
+  /// Nobody says where the nose points, until somebody does; a platform always does.
+  void forget_heading() { has_heading = platform != nullptr; }
   std::size_t number() const { return stream_id - 1; }  ///< of the render thread
   LiveView view() const { return {settings.current(), pose, pose_received_ns, poses}; }
 };

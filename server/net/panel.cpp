@@ -123,6 +123,8 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   const auto ends = [](const PanelChange::Setting& s) { return ends_velocity(*s.parameter); };
   if (std::ranges::any_of(change.settings, ends)) config.pose.clear_velocity();
   for (const auto& [parameter, value] : change.settings) {
+    if (radar.platform && parameter->message == WireMessage::pose && !parameter->meaning.aim)
+      errors.push_back(no_pose_of_its_own(radar, std::string(parameter->key.name)));
     if (auto error = store(parameter->key, parameter->slot(config), value)) errors.push_back(*error);
     (parameter->message == WireMessage::pose ? new_pose : new_settings) = true;
     named.bearing |= parameter->wire_field == "bearing_deg";
@@ -163,7 +165,7 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   Radars& radars = room_.radars();
   if (new_settings) (void)radar.settings.set(config.settings);
   radar.has_heading |= named.heading;
-  if (new_pose && hand == Hand::operates) {
+  if (new_pose && (hand == Hand::operates || radar.platform)) {
     radars.aim(radar, config.pose);
   } else if (new_pose) {
     (void)radars.take_pose(radar, config.pose, false);

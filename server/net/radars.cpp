@@ -28,9 +28,20 @@ Radars::Radars(const ServerOptions& options, const std::vector<RadarConfig>& rad
                ExerciseLog& log)
     : options_(options), render_(render), log_(log) {
   for (const RadarConfig& config : radars) {
-    const LiveRadar& radar = radars_.emplace_back(config, static_cast<std::uint32_t>(radars_.size() + 1));
+    LiveRadar& radar = radars_.emplace_back(config, static_cast<std::uint32_t>(radars_.size() + 1));
     render_.add_radar(radar.name, radar.stream_id, radar.view());
+    if (!config.platform) continue;
+    const auto& [name, pose] = *config.platform;
+    radar.platform = find_platform(name);
+    if (radar.platform == nullptr) radar.platform = &platforms_.emplace_back(Platform{name, pose, pose, {}});
+    radar.platform->radars.push_back(&radar);
+    radar.forget_heading();
   }
+}
+
+Platform* Radars::find_platform(const std::string& name) {
+  const auto at = std::ranges::find(platforms_, name, &Platform::name);
+  return at == platforms_.end() ? nullptr : &*at;
 }
 
 LiveRadar* Radars::find(const std::string& name) {
@@ -126,7 +137,7 @@ wire::ClaimSet Radars::release(LiveRadar& radar, wire::ClaimSet claims, const Pe
 wire::ClaimSet Radars::end_claims(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer) {
   const wire::ClaimSet released = radar.claims.release(claims, peer);
   if ((released & wire::kPoseClaim) == 0) return released;
-  radar.has_heading = false;
+  radar.forget_heading();
   radar.pose.valid_s = radar.initial.pose.valid_s;
   radar.pose.time_rate = radar.initial.pose.time_rate;
   radar.poses->set_validity(radar.pose.valid_s);

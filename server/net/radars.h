@@ -23,6 +23,8 @@ class Radars {
   const std::deque<LiveRadar>& all() const { return radars_; }
   LiveRadar& at(std::size_t number) { return radars_.at(number); }
   LiveRadar* find(const std::string& name);
+  std::deque<Platform>& platforms() { return platforms_; }
+  Platform* find_platform(const std::string& name);
   LiveStream::Load load(const LiveRadar& radar) const { return render_.load(radar.number()); }
 
   // Watchers:
@@ -82,6 +84,7 @@ class Radars {
   RenderThread& render_;
   ExerciseLog& log_;
   std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
+  std::deque<Platform> platforms_;
   std::uint64_t last_watch_id_ = 0;
   bool held_ = false;  ///< by hold()
 };

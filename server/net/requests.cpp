@@ -54,6 +54,7 @@ void write_condition(const LiveRadar& radar, Message& to) {
   to.set_rate_limit_hz(radar.rate_limit_hz);
   to.set_pose_stale(radar.poses->at(monotonic_ns()).stale);
   to.set_late_poses(radar.poses->late());
+  if (radar.platform) to.set_platform(radar.platform->name);
 }
 
 }  // namespace
@@ -210,10 +211,12 @@ void Requests::list_radars(const wire::ListRadars& /*request*/) {
   wire::RadarList list;
   list.set_request_id(id_);
   for (const LiveRadar& radar : room_.radars().all()) list.add_radars(radar.name);
+  for (const Platform& platform : room_.radars().platforms()) list.add_platforms(platform.name);
   peer_.send(MessageType::radar_list, list);
 }
 
 void Requests::get_radar(const wire::GetRadar& request) {
+  if (const Platform* platform = room_.radars().find_platform(request.radar())) return describe(*platform);
   const LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
   const SettingsPtr settings = radar->settings.current();

@@ -51,6 +51,7 @@ class Peer;
 class Room;
 struct LiveRadar;
 struct OverLimit;
+struct Platform;
 struct Right;
 
 wire::Error make_error(std::uint64_t request_id, wire::ErrorNumber number, const std::string& text,
@@ -64,6 +65,11 @@ void append(std::vector<FieldError>& errors, std::vector<FieldError> more);
 
 /// What a RenderOnce must name: there is no radar to take it from.
 std::vector<FieldError> missing_position(const wire::Pose& pose);
+
+/// Why a radar that rides is not placed by itself.
+FieldError no_pose_of_its_own(const LiveRadar& radar, const std::string& field);
+/// Why a radar's antenna cannot stand like that, although its numbers are within their limits.
+std::vector<FieldError> pose_faults(const Room& room, const LiveRadar& radar, const PoseSettings& pose);
 
 /// What the render thread has said of a request's settings.
 struct Appraised {
@@ -137,7 +143,13 @@ class Requests {
   /// SetPose of the peer that flies the radar, and of one that only turns its antenna. The Ack follows.
   void fly(LiveRadar& radar, const wire::Pose& message);
   void aim(LiveRadar& radar, const wire::Pose& message);
-  void acknowledge_pose(LiveRadar& radar, const std::vector<std::string>& warnings);
+  void acknowledge_pose(std::span<LiveRadar* const> radars, const std::vector<std::string>& warnings);
+  /// The same requests of a platform: of all its radars at once, or of none.
+  void claim(Platform& platform, const wire::ClaimControl& request);
+  void release(Platform& platform);
+  void fly(Platform& platform, const wire::Pose& message);
+  void describe(const Platform& platform);
+  void log_flight(const std::string& what);
 
   Room& room_;
   Peer& peer_;

@@ -138,10 +138,15 @@ FieldError unknown_kind(const google::protobuf::RepeatedField<int>& kinds) {
 }  // namespace
 
 void Requests::claim_control(const wire::ClaimControl& request) {
+  if (Platform* platform = room_.radars().find_platform(request.radar())) return claim(*platform, request);
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
-  const auto wanted = read_kinds(request.kinds(), wire::kUnnamedClaims);
+  // Of a radar that rides, the settings are all that there is to claim.
+  const wire::ClaimSet unnamed = radar->platform ? wire::kSettingsClaim : wire::kUnnamedClaims;
+  const auto wanted = read_kinds(request.kinds(), unnamed);
   if (!wanted) return refuse(ErrorNumber::invalid_value, "claim refused", {unknown_kind(request.kinds())});
+  if (radar->platform && (*wanted & wire::kPoseClaim) != 0)
+    return refuse(ErrorNumber::invalid_value, "claim refused", {no_pose_of_its_own(*radar, "radar")});
   if (radar->claims.taken(*wanted, &peer_) != 0) {
     if (!request.force())
       return refuse(ErrorNumber::controlled_by_other,
@@ -153,10 +158,14 @@ void Requests::claim_control(const wire::ClaimControl& request) {
 }
 
 void Requests::release_control(const wire::ReleaseControl& request) {
+  if (Platform* platform = room_.radars().find_platform(request.radar())) return release(*platform);
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
-  const auto wanted = read_kinds(request.kinds(), wire::kEveryClaim);
+  const wire::ClaimSet all = radar->platform ? wire::kSettingsClaim : wire::kEveryClaim;
+  const auto wanted = read_kinds(request.kinds(), all);
   if (!wanted) return refuse(ErrorNumber::invalid_value, "release refused", {unknown_kind(request.kinds())});
+  if (radar->platform && (*wanted & wire::kPoseClaim) != 0)
+    return refuse(ErrorNumber::invalid_value, "release refused", {no_pose_of_its_own(*radar, "radar")});
   const wire::ClaimSet released = room_.radars().release(*radar, *wanted, peer_);
   if (released == 0) return (void)demand_claims(*radar, *wanted);
   log_doing(peer_, radar->name, wire::claim_names(released) + " released by " + peer_.name);

@@ -1,4 +1,6 @@
 // SetPose: who flies a radar, and who turns its antenna.
+#include <algorithm>
+
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
@@ -14,15 +16,14 @@ namespace obliq::net {
 using wire::Claim;
 using wire::ErrorNumber;
 
-namespace {
-
-/// Why this radar's antenna cannot stand like that, although its numbers are within their limits.
 std::vector<FieldError> pose_faults(const Room& room, const LiveRadar& radar, const PoseSettings& pose) {
   std::vector<FieldError> errors = room.renderer().place(pose);
   if (errors.empty() && pose.tilt_deg != radar.pose.tilt_deg)
     errors = known_beam_faults(radar.settings.current()->settings, pose).value_or(errors);
   return errors;
 }
+
+namespace {
 
 NamedAngles angles_of(const wire::Pose& message) {
   return {message.has_bearing_deg(), message.has_heading_deg()};
@@ -38,8 +39,16 @@ std::string not_taken(const std::vector<std::string>& fields, const Peer& hand) 
 }  // namespace
 
 void Requests::set_pose(const wire::SetPose& request) {
+  if (Platform* platform = room_.radars().find_platform(request.radar()))
+    return fly(*platform, request.pose());
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
+  if (radar->platform) {
+    if (!only_aims(request.pose()))
+      return refuse(ErrorNumber::invalid_value, "pose refused", {no_pose_of_its_own(*radar, "radar")});
+    if (demand_claims(*radar, wire::kSettingsClaim)) aim(*radar, request.pose());
+    return;
+  }
   const wire::ClaimSet mine = radar->claims.of(peer_);
   const bool may_aim = mine == wire::kSettingsClaim && only_aims(request.pose());
   if (may_aim) return aim(*radar, request.pose());
@@ -74,16 +83,19 @@ void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
     radar.has_heading = has_heading;
     if (only_aims(taken)) room_.log().aimed(radar, before, taken, peer_.name);
   } else {
-    warnings.push_back("sim_time_ns: found " + std::to_string(pose.sim_time_ns) + " after " +
-                       std::to_string(radar.pose.sim_time_ns) +
-                       "; allowed: none that goes back, but with new_time_line; the pose is not taken");
+    warnings.push_back(came_late(pose, radar.pose));
   }
+  log_flight(radar.name);
+  LiveRadar* const moved[] = {&radar};
+  acknowledge_pose(moved, warnings);
+}
+
+void Requests::log_flight(const std::string& what) {
   if (peer_.has_moved && !peer_.is_guest) {
     log_as_guest(peer_);
-    log_doing(peer_, radar.name, "flown by " + peer_.name);
+    log_doing(peer_, what, "flown by " + peer_.name);
   }
   peer_.has_moved = true;
-  acknowledge_pose(radar, warnings);
 }
 
 void Requests::aim(LiveRadar& radar, const wire::Pose& message) {
@@ -98,19 +110,23 @@ void Requests::aim(LiveRadar& radar, const wire::Pose& message) {
   const PoseSettings before = radar.pose;
   room_.radars().aim(radar, pose);
   room_.log().aimed(radar, before, message, peer_.name);
-  acknowledge_pose(radar, {});
+  LiveRadar* const turned[] = {&radar};
+  acknowledge_pose(turned, {});
 }
 
-void Requests::acknowledge_pose(LiveRadar& radar, const std::vector<std::string>& warnings) {
-  const SettingsPtr settings = radar.settings.current();
+void Requests::acknowledge_pose(std::span<LiveRadar* const> radars,
+                                const std::vector<std::string>& warnings) {
   wire::Ack ack;
   ack.set_request_id(id_);
-  ack.set_settings_version(settings->version);
-  if (room_.options().ground_at) {
-    const GroundThere ground = room_.options().ground_at(radar.pose, settings->settings.r_max_m);
-    room_.radars().note_ground(radar, ground.warning);
-    ack.set_coverage(ground.coverage);
-    if (!ground.warning.empty()) ack.add_warnings(ground.warning);
+  if (radars.size() == 1) ack.set_settings_version(radars.front()->settings.current()->version);
+  for (LiveRadar* const radar : radars) {
+    if (!room_.options().ground_at) break;
+    const double r_max_m = radar->settings.current()->settings.r_max_m;
+    const GroundThere ground = room_.options().ground_at(radar->pose, r_max_m);
+    room_.radars().note_ground(*radar, ground.warning);
+    ack.set_coverage(radar == radars.front() ? ground.coverage : std::min(ack.coverage(), ground.coverage));
+    if (!ground.warning.empty())
+      ack.add_warnings(radars.size() == 1 ? ground.warning : radar->name + ": " + ground.warning);
   }
   for (const std::string& warning : warnings) ack.add_warnings(warning);
   peer_.send(wire::MessageType::ack, ack);

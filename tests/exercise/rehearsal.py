@@ -22,12 +22,16 @@ ENTITY = "1:2:3"
 HOST_HZ, DIS_HZ = 60, 10
 MOST_LAG_S = 0.2
 POWER_REGISTER, APPLY_COIL, MAIN_UNIT = 240, 2, 1  # server/modbus/REGISTERS.md
-RADARS = ("main", "map", "host")
+# Two on an aircraft, one before the wing and one behind it that looks back, and one that a host moves.
+RADARS = {"main": 'platform = "aircraft"\n[radar.mount]\nforward_m = 6.0',
+          "map": 'platform = "aircraft"\n[radar.mount]\nforward_m = -8.0\nup_m = 2.0\nlook_deg = 180.0',
+          "host": "[radar.antenna]\nlatitude_deg = 33.0\nlongitude_deg = -99.5\nheight_m = 2500.0"}
 SCENE = """
 [terrain]
 synthetic = "ridge"
 shape = { distance_m = 5000.0 }
-[antenna]
+[[platform]]
+name = "aircraft"
 latitude_deg = 33.0
 longitude_deg = -99.5
 height_m = 2500.0
@@ -43,7 +47,7 @@ port = %d
 port = %d
 [http]
 enabled = false
-""" + "".join(f'[[radar]]\nname = "{name}"\nsector_deg = 60.0\nr_min_m = 3000.0\nr_max_m = 9000.0\n' for name in RADARS)
+""" + "".join(f'[[radar]]\nname = "{name}"\nsector_deg = 60.0\nr_min_m = 3000.0\nr_max_m = 9000.0\n{place}\n' for name, place in RADARS.items())
 
 
 def free_port(kind=socket.SOCK_STREAM):
@@ -223,11 +227,11 @@ class Exercise:
 
     def rehearse(self):
         simulator, host = Simulator(self.dis_port), Host(self.address)
-        flights = {radar: self.fly(radar) for radar in ("main", "map")}
+        flight = self.fly("aircraft")
         recorders = [self.record(radar) for radar in ("main", "host")]
         simulator.start()
         host.start()
-        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "flights")
+        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "a flight of both radars")
         self.operate(2 * self.unit_s)
         self.bookmark("before the pause")
         # A pause of all that fly.
@@ -258,21 +262,21 @@ class Exercise:
         # Server and host are killed; all that were there come back by themselves, the host by hand.
         self.server.kill()
         self.server.wait()
-        flights["map"].kill()
-        flights["map"].wait()
+        flight.kill()
+        flight.wait()
         self.serve()
-        flights["map"] = self.fly("map")
+        flight = self.fly("aircraft")
         self.obliq("load", self.folder / "state.toml")
-        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "flights after the restart")
+        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "a flight after the restart")
         self.operate(2 * self.unit_s)
         self.bookmark("the end")
         time.sleep(0.5)  # the recorders write it
         simulator.ends.set()
         host.ends.set()
         host.join(20)
-        for program in (*flights.values(), *recorders):
+        for program in (flight, *recorders):
             program.send_signal(signal.SIGINT)
-        codes = [program.wait(30) for program in (*flights.values(), *recorders)]
+        codes = [program.wait(30) for program in (flight, *recorders)]
         log, ended = self.log(), self.state()
         self.stop()
         self.serve()
@@ -313,8 +317,8 @@ class Exercise:
 
     def flown(self):
         """Poses and refusals of `obliq fly`, as it says at its end."""
-        texts = [(self.folder / f"fly-{radar}.log").read_text() for radar in ("main", "map")]
-        sums = [tuple(map(int, found)) for text in texts for found in re.findall(r"(\d+) poses, (\d+) datagrams that were none", text)]
+        text = (self.folder / "fly-aircraft.log").read_text()
+        sums = [tuple(map(int, found)) for found in re.findall(r"(\d+) poses, (\d+) datagrams that were none", text)]
         return sum(poses for poses, _ in sums), sum(none for _, none in sums)
 
 

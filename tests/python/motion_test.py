@@ -120,6 +120,30 @@ class Doors(Folder):
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, re.escape(f"track.csv:2: {said}"))
 
+    def test_tracks_and_datagrams_may_be_in_feet_and_knots(self):
+        track = self.folder / "feet.csv"
+        for head, flags in (("time,lat,lon,Altitude (ft),heading,velocity_north_kt", ()),
+                            ("time,lat,lon,alt,heading,velocity_north_kt", ("--height-unit", "ft")),
+                            ("time,lat,lon,alt_ft,heading,velocity_north_kt", ("--height-unit", "m"))):
+            with self.subTest(head=head):
+                track.write_text(f"{head}\n0,33.0,-99.5,5000,0,120\n")
+                run(OBLIQ, "fly", str(track), "--server", support.shared_daemon(), "--radar", "main", *flags)
+                with obliq.connect(support.shared_daemon()) as server:
+                    pose = server.radar("main").pose
+                self.assertAlmostEqual(pose.height_m, 1524.0, places=9)
+                self.assertAlmostEqual(pose.velocity_north_m_s, 120 * 1852 / 3600, places=9)
+        track.write_text("time,lat,lon,alt_ft,heading\n0,33.0,-99.5,400000,0\n")
+        done = subprocess.run([OBLIQ, "fly", str(track), "--server", support.shared_daemon(), "--radar", "main"], capture_output=True, text=True)
+        self.assertIn('height: found "400000"; allowed: number -1000 to 100000 m', done.stderr)
+        ride = Ride(self, "--height-unit", "ft", "--time-rate", "10")
+        ride.send(pose_datagram(33.0, -99.5, 5000.0, 10.0))
+        pose = ride.pose_where(lambda pose: pose.heading_deg == 10.0)
+        self.assertAlmostEqual(pose.height_m, 1524.0, places=9)
+        self.assertEqual(pose.time_rate, 10.0)
+        ride.end()
+        done = subprocess.run([OBLIQ, "fly", "--dis", "1:2:3", "--height-unit", "ft", "--server", support.shared_daemon()], capture_output=True, text=True)
+        self.assertIn("--height-unit: found ft with --dis", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,5 +1,4 @@
-// What --print-config prints is a scene file that means the same.
-// Published settings, and settings as messages.
+// What --print-config prints is a scene file that means the same. Published settings, and as messages.
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -31,6 +31,7 @@ struct FlyArguments {
   ServerArguments server;
   std::string track;
   std::string reference;
+  double height_unit_m = 1;
   double speed = 1;
   double rate_hz = 0;
   DatagramSource datagrams;
@@ -60,8 +61,8 @@ TrackPoint on_the_way(const TrackPoint& a, const TrackPoint& b, double u) {
   point.longitude_deg = arc(a.longitude_deg, b.longitude_deg);
   point.height_m = part(a.height_m, b.height_m);
   point.bearing_deg = arc(a.bearing_deg, b.bearing_deg);
-  for (const auto& [name, value] : kMotionColumns)
-    if (a.*value && b.*value) point.*value = part(*(a.*value), *(b.*value));
+  for (const MotionColumn& column : kMotionColumns)
+    if (const auto value = column.value; a.*value && b.*value) point.*value = part(*(a.*value), *(b.*value));
   return point;
 }
 
@@ -203,19 +204,21 @@ void run(const FlyArguments& arguments) {
     throw InputError("fly: found " +
                      std::string(arguments.track.empty() ? "no TRACK" : "TRACK and --udp or --dis") +
                      "; allowed: one of TRACK, --udp PORT, --dis SITE:APP:ENTITY");
+  if (!arguments.datagrams.entity.empty() && arguments.height_unit_m != 1)
+    throw InputError("--height-unit: found ft with --dis; allowed: m, in which PDUs are");
   heed_interrupts();
   if (arguments.datagrams.wanted()) {
     client::Client client = connect_to_server(arguments.server, "obliq fly");
-    const std::string radar = choose_remote_radar(client, arguments.server);
+    const std::string radar = choose_flown(client, arguments.server);
     return fly_by_datagrams(std::move(client), radar, arguments.datagrams, arguments.rate_hz,
-                            arguments.reference, arguments.reconnect_s);
+                            arguments.reference, arguments.height_unit_m, arguments.reconnect_s);
   }
-  TrackReader track(arguments.track);
+  TrackReader track(arguments.track, arguments.height_unit_m);
   if (track.is_file()) read_through(track);
   client::ResumeOptions resume = reconnecting(arguments.reconnect_s);
   resume.give_up = [] { return interrupted(); };
   client::ResumingClient client(connect_to_server(arguments.server, "obliq fly"), resume);
-  const std::string radar = choose_remote_radar(client.client(), arguments.server);
+  const std::string radar = choose_flown(client.client(), arguments.server);
   require(client.claim(radar, wire::kPoseClaim));
   Flight flight(client, radar, arguments);
   TrackPoint point;
@@ -244,7 +247,8 @@ void add_fly(CLI::App& app) {
       "TRACK", arguments->track,
       "A file with lines of time,latitude,longitude,height,bearing in s, degrees, degrees, m, degrees "
       "(with or without a header, which may name further columns: velocity_north_m_s, velocity_east_m_s, "
-      "velocity_up_m_s, roll_deg, pitch_deg; others are ignored), or - for the standard input");
+      "velocity_up_m_s, or these in knots by _kt, roll_deg, pitch_deg; others are ignored; height_ft is in "
+      "feet), or - for the standard input");
   add_datagram_options(*command, arguments->datagrams);
   add_reconnect_argument(*command, arguments->reconnect_s);
   command->add_option("--speed", arguments->speed, "Speed factor: 2 flies the track twice as fast")
@@ -261,6 +265,13 @@ void add_fly(CLI::App& app) {
       ->add_option("--height-reference", arguments->reference,
                    "Reference of the heights; default: that of the radar's present height")
       ->check(CLI::IsMember({"datum", "ground", "ellipsoid"}));
+  command
+      ->add_option_function<std::string>(
+          "--height-unit",
+          [arguments](const std::string& unit) { arguments->height_unit_m = unit == "ft" ? kFoot_m : 1; },
+          "Of TRACK's and --udp's heights, where a header names none; default: m")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember({"m", "ft"}));
   command->callback([arguments] { run(*arguments); });
 }
 

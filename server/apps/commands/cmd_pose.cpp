@@ -41,7 +41,7 @@ void run(const PoseArguments& arguments) {
   apply_radar_flags(arguments.set, unused,
                     {.why_not = why_not_a_pose});  // mistakes are told without a server
   client::Client client = connect_to_server(arguments.server, "obliq pose");
-  const std::string radar = choose_remote_radar(client, arguments.server);
+  const std::string radar = choose_flown(client, arguments.server);
   wire::RadarInfo info;
   require(client.get_radar(radar, info));
   if (!arguments.set.empty()) {

@@ -66,6 +66,7 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
               radar.subscribers(), radar.rate_hz(), radar.frames());
   if (radar.frames() > 0) std::printf(", the last in %.1f ms", 1000 * radar.last_render_s());
   if (radar.frames_shed() > 0) std::printf(", %" PRIu64 " shed for lack of time", radar.frames_shed());
+  if (!radar.platform().empty()) std::printf(", rides on %s", radar.platform().c_str());
   if (radar.rate_limit_hz() > 0) std::printf(", at most %g Hz", radar.rate_limit_hz());
   if (radar.transmit_off()) std::printf(", transmit off");
   if (radar.frozen()) std::printf(", frozen");

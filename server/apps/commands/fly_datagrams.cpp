@@ -1,6 +1,5 @@
 #include "server/apps/commands/fly_datagrams.h"
 
-#include <arpa/inet.h>
 #include <fmt/core.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -8,11 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -21,6 +18,7 @@
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
+#include "server/apps/commands/udp_socket.h"
 #include "server/apps/ownship/refused_datagrams.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
@@ -42,52 +40,18 @@ constexpr milliseconds kPause{1000};
 constexpr std::int64_t kReordered_ns = 1'000'000'000;
 constexpr std::size_t kMostDatagram = 2048;  // longer ones are cut, and only what a PDU adds is lost
 
-in_addr address_of(const std::string& text, const char* option, const char* allowed) {
-  in_addr address{};
-  if (inet_pton(AF_INET, text.c_str(), &address) != 1)
-    throw InputError(fmt::format("{}: found \"{}\"; allowed: {}", option, text, allowed));
-  return address;
-}
-
-/// shared: other programs of this machine may listen there, too.
-UniqueFd bind_udp(const std::string& address, const std::string& interface, int port, bool shared,
-                  int& bound_port) {
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_port = htons(static_cast<std::uint16_t>(port));
-  at.sin_addr = address_of(address, "--listen", "an IPv4 address of this machine, or a multicast group");
-  const bool is_group = IN_MULTICAST(ntohl(at.sin_addr.s_addr));
-  if (!interface.empty() && !is_group)
-    throw InputError(fmt::format("--interface: found {} with --listen {}; allowed: with a multicast group",
-                                 interface, address));
-  UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  const int on = 1;
-  if (shared || is_group) (void)setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  socklen_t size = sizeof at;
-  if (socket.get() < 0 || bind(socket.get(), reinterpret_cast<sockaddr*>(&at), size) != 0 ||
-      getsockname(socket.get(), reinterpret_cast<sockaddr*>(&at), &size) != 0)
-    throw InputError(fmt::format("{}:{}: cannot be listened to: {}", address, port, std::strerror(errno)));
-  bound_port = ntohs(at.sin_port);
-  if (!is_group) return socket;
-  ip_mreq group{at.sin_addr, {INADDR_ANY}};
-  if (!interface.empty())
-    group.imr_interface = address_of(interface, "--interface", "an IPv4 address of this machine");
-  if (setsockopt(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) != 0)
-    throw InputError(
-        fmt::format("{}: the group cannot be joined{}: {}", address,
-                    interface.empty() ? "; --interface ADDRESS names the network" : " on " + interface,
-                    std::strerror(errno)));
-  return socket;
-}
-
 /// What comes is sent on; what is no pose is counted and told.
 class Ride {
  public:
   void note_loss() { lost_ = true; }
 
   Ride(client::ResumingClient& client, std::string radar, const DatagramSource& source, double rate_hz,
-       const std::string& height_reference)
-      : client_(client), radar_(std::move(radar)), source_(source), rate_hz_(rate_hz) {
+       const std::string& height_reference, double height_unit_m)
+      : client_(client),
+        radar_(std::move(radar)),
+        source_(source),
+        rate_hz_(rate_hz),
+        height_unit_m_(height_unit_m) {
     if (!source.entity.empty()) {
       entity_ = parse_entity_id(source.entity);
       if (!entity_)
@@ -203,18 +167,26 @@ class Ride {
     }
   }
 
-  /// The radar as a whole is as its entity, where no other client holds its settings.
+  /// The radar as a whole, or all that ride on the platform, is as its entity.
   void freeze() {
     is_frozen_ = stopped_since_.has_value();
     next_order_ = Clock::now() + kPause;
+    wire::RadarInfo info;
+    if (const client::Status status = client_.client().get_radar(radar_, info); !status.ok())
+      return add_news(radar_ + ": " + status.sentence());
+    if (info.riders().empty()) return freeze(radar_);
+    for (const std::string& rider : info.riders()) freeze(rider);
+  }
+  /// Where no other client holds its settings.
+  void freeze(const std::string& radar) {
     client::Client& client = client_.client();
-    client::Status status = client.claim(radar_, wire::kSettingsClaim);
+    client::Status status = client.claim(radar, wire::kSettingsClaim);
     if (status.ok()) {
-      status = client.set_state(radar_, std::nullopt, is_frozen_);
-      (void)client.release(radar_, wire::kSettingsClaim);
+      status = client.set_state(radar, std::nullopt, is_frozen_);
+      (void)client.release(radar, wire::kSettingsClaim);
     }
     if (!status.ok())
-      add_news(radar_ + (is_frozen_ ? " is not frozen: " : " is not thawed: ") + status.sentence());
+      add_news(radar + (is_frozen_ ? " is not frozen: " : " is not thawed: ") + status.sentence());
   }
 
   void leave(const char* how) {
@@ -245,11 +217,12 @@ class Ride {
     wire::Pose pose;
     pose.set_latitude_deg(ownship.latitude_deg);
     pose.set_longitude_deg(ownship.longitude_deg);
-    pose.set_height_m(ownship.height_m);
+    pose.set_height_m(entity_ ? ownship.height_m : ownship.height_m * height_unit_m_);
     set_heading(client_.client(), says_bearing_, ownship.heading_deg, source_.look_deg, pose);
     pose.set_sim_time_ns(sim_time_ns);
     pose.set_pose_id(pose_id);
     if (new_time_line) pose.set_new_time_line(true);
+    if (source_.time_rate != 1) pose.set_time_rate(source_.time_rate);
     if (reference_) pose.set_height_reference(*reference_);
     if (const auto& velocity_m_s = ownship.velocity_m_s) {
       pose.set_velocity_north_m_s((*velocity_m_s)[0]);
@@ -283,6 +256,7 @@ class Ride {
   const std::string radar_;
   const DatagramSource& source_;
   const double rate_hz_;
+  const double height_unit_m_;
   std::optional<EntityId> entity_;
   std::optional<wire::HeightReference> reference_;
   UniqueFd socket_;
@@ -352,6 +326,14 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
       ->type_name("M")
       ->default_val(0.0)
       ->check(number_from(-120, 120));
+  command
+      .add_option(
+          "--time-rate", source.time_rate,
+          "With --udp: seconds of the datagrams' clock in a second; 10 where the exercise runs ten times "
+          "as fast")
+      ->type_name("FACTOR")
+      ->default_val(1.0)
+      ->check(number_from(0.001, 1000));
 }
 
 bool is_lost(const client::ResumingClient& client, const client::Status& status) {
@@ -362,7 +344,8 @@ bool is_lost(const client::ResumingClient& client, const client::Status& status)
 }
 
 void fly_by_datagrams(client::Client connected, const std::string& radar, const DatagramSource& source,
-                      double rate_hz, const std::string& height_reference, int reconnect_s) {
+                      double rate_hz, const std::string& height_reference, double height_unit_m,
+                      int reconnect_s) {
   Ride* riding = nullptr;
   client::ResumeOptions resume = reconnecting(reconnect_s);
   resume.give_up = [] { return interrupted(); };
@@ -372,7 +355,7 @@ void fly_by_datagrams(client::Client connected, const std::string& radar, const 
   };
   client::ResumingClient client(std::move(connected), resume);
   require(client.claim(radar, wire::kPoseClaim));
-  Ride ride(client, radar, source, rate_hz, height_reference);
+  Ride ride(client, radar, source, rate_hz, height_reference, height_unit_m);
   riding = &ride;
   ride.run();
   ride.print_summary();

@@ -20,6 +20,7 @@ struct DatagramSource {
   int exercise = -1;        ///< of DIS; -1: any
   double look_deg = 0;      ///< of the sector's centre, from the nose
   double undulation_m = 0;  ///< of the geoid, for heights of DIS
+  double time_rate = 1;     ///< seconds of the datagrams' clock in a second
   bool wanted() const { return udp_port >= 0 || !entity.empty(); }
 };
 
@@ -32,7 +33,8 @@ void set_heading(const client::Client& client, bool first, double heading_deg, d
 
 /// Until interrupted. rate_hz: of poses between an entity's PDUs. Throws InputError.
 void fly_by_datagrams(client::Client connected, const std::string& radar, const DatagramSource& source,
-                      double rate_hz, const std::string& height_reference, int reconnect_s);
+                      double rate_hz, const std::string& height_reference, double height_unit_m,
+                      int reconnect_s);
 
 /// Whether a request failed because the connection is lost: then receive() takes it up again.
 bool is_lost(const client::ResumingClient& client, const client::Status& status);

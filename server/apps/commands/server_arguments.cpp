@@ -58,6 +58,10 @@ std::string why_no_parameter(const std::string& name) {
     const bool of_radar = key.group == KeyGroup::radar || key.group == KeyGroup::short_form;
     (of_radar ? names : of_scene).push_back(key.name);
   }
+  if (name == "radar.platform" || name.starts_with("mount."))
+    return "stands in the scene file alone, which says what rides on what; allowed: change it there and "
+           "start "
+           "obliqd anew";
   if (name == "beam.file" || name == "scan.bars" || name == "radar.preset")
     return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
@@ -177,6 +181,14 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
   if (names.empty()) throw InputError("the server has no radars");
   throw InputError("--radar: found " + (arguments.radar.empty() ? "nothing" : "\"" + arguments.radar + "\"") +
                    "; allowed: " + names);
+}
+
+std::string choose_flown(client::Client& client, const ServerArguments& arguments) {
+  wire::RadarList list;
+  if (!arguments.radar.empty()) require(client.list_radars(list));
+  const auto& platforms = list.platforms();
+  if (std::ranges::find(platforms, arguments.radar) != platforms.end()) return arguments.radar;
+  return choose_remote_radar(client, arguments);
 }
 
 RadarConfig config_of(const wire::RadarInfo& info) {

@@ -36,6 +36,8 @@ client::Client connect_to_server(const ServerArguments& arguments, const std::st
 
 /// The named radar, or the server's only one. Throws InputError that lists the names.
 std::string choose_remote_radar(const client::Client& client, const ServerArguments& arguments);
+/// The same of what SetPose moves: a radar, or a platform that radars ride on.
+std::string choose_flown(client::Client& client, const ServerArguments& arguments);
 
 /// The radar as the server has it. Throws InputError.
 RadarConfig config_of(const wire::RadarInfo& info);

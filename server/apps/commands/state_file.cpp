@@ -7,6 +7,7 @@
 #include "server/control/config_tree.h"
 #include "server/control/parameters.h"
 #include "server/control/section_reader.h"
+#include "server/control/sections/platform.h"
 #include "server/control/settings_message.h"
 #include "terrain/base/errors.h"
 
@@ -59,6 +60,22 @@ void read_parameters(const ConfigNode& table, RadarConfig& config, Complaints& c
   }
 }
 
+void read_platform(const ConfigNode& table, wire::ExerciseState& state, Complaints& complaints) {
+  RadarConfig holder;
+  std::string name;
+  SectionReader reader(table, "platform", complaints);
+  demand(reader.read("name", Key{"platform.name", ""}, &name), table, "platform.name", complaints);
+  for (const Parameter* p : platform_parameters()) {
+    const std::string local = parts_of(p->key.name).second;
+    demand(reader.take(local) != nullptr, table, platform_key(*p), complaints);
+    (void)reader.read(local, p->key, p->slot(holder));
+  }
+  reader.finish();
+  wire::PlatformState& platform = *state.add_platforms();
+  platform.set_platform(name);
+  write_message(holder.pose, *platform.mutable_pose());
+}
+
 void read_radar(const ConfigNode& table, wire::ExerciseState& state, Complaints& complaints) {
   RadarConfig config;
   bool transmit = true;
@@ -94,7 +111,16 @@ std::string state_text(const wire::ExerciseState& state) {
       "# The state of an exercise: `obliq save` has written it, `obliq load` puts it in place.\n[exercise]\n";
   text += line("version", kVersion) + line("scene", state.scene_name()) +
           line("scene_hash", state.scene_hash()) + line("build", state.build()) + line("saved", utc_now()) +
-          line("radars", std::int64_t{state.radars_size()});
+          line("radars", std::int64_t{state.radars_size()}) +
+          line("platforms", std::int64_t{state.platforms_size()});
+  for (const wire::PlatformState& platform : state.platforms()) {
+    RadarConfig holder;
+    if (const auto errors = merge_message(platform.pose(), holder.pose); !errors.empty())
+      throw InputError("the server's platform " + platform.platform() + ": " + errors.front().text());
+    text += "\n[[platform]]\n" + line("name", platform.platform());
+    for (const Parameter* p : platform_parameters())
+      text += line(parts_of(p->key.name).second, value_of(*p, holder));
+  }
   for (const wire::RadarState& radar : state.radars()) {
     RadarConfig config;
     for (const auto& errors :
@@ -116,6 +142,7 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
   wire::ExerciseState state;
   std::int64_t version = 0;
   std::int64_t radars = -1;
+  std::int64_t platforms = 0;  // files of before there were any do not say
   std::string scene, hash, build, saved;
   const auto read_head = [&](const ConfigNode& table) {
     SectionReader head(table, "exercise", complaints);
@@ -128,12 +155,14 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
     (void)head.read("saved", Key{"exercise.saved", ""}, &saved);
     demand(head.read("radars", Key{"exercise.radars", "", closed(0, 1000)}, &radars), table,
            "exercise.radars", complaints);
+    (void)head.read("platforms", Key{"exercise.platforms", "", closed(0, 1000)}, &platforms);
     head.finish();
   };
   top.one_table("exercise", read_head);
   if (version == 0 && complaints.empty())
     throw InputError(path.string() +
                      ": exercise.version: found nothing; allowed: a file that `obliq save` has written");
+  top.each_table("platform", [&](const ConfigNode& table) { read_platform(table, state, complaints); });
   top.each_table("radar", [&](const ConfigNode& table) { read_radar(table, state, complaints); });
   bool complete = false;
   top.one_table("end", [&](const ConfigNode& table) {
@@ -145,6 +174,11 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
     complaints.add(path.string(),
                    FieldError{"radar", std::to_string(state.radars_size()) + " radars",
                               std::to_string(radars) + ", as exercise.radars says; the file has been cut"});
+  if (state.platforms_size() != platforms && complaints.empty())
+    complaints.add(
+        path.string(),
+        FieldError{"platform", std::to_string(state.platforms_size()) + " platforms",
+                   std::to_string(platforms) + ", as exercise.platforms says; the file has been cut"});
   if (!complete && complaints.empty())
     complaints.add(path.string(),
                    FieldError{"end.complete", "nothing", "true, at the end; the file has been cut"});

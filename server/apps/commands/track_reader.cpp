@@ -17,6 +17,7 @@
 #include "server/control/parameters.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -73,10 +74,28 @@ std::string allowed(const Column& column) {
   return "number -4e9 to 4e9 s";
 }
 
-bool is_heading(std::string_view word, const Column& column) {
+/// In small letters; all that is no letter becomes a blank.
+std::string letters_of(std::string_view word) {
   std::string lower(word);
-  for (char& c : lower)
+  for (char& c : lower) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (c < 'a' || c > 'z') c = ' ';
+  }
+  return lower;
+}
+
+/// The unit that a heading names, in metres.
+std::optional<double> unit_named(std::string_view word) {
+  std::istringstream parts{letters_of(word)};
+  for (std::string part; parts >> part;) {
+    if (part == "m" || part == "metres" || part == "meters") return 1;
+    if (part == "ft" || part == "feet") return kFoot_m;
+  }
+  return std::nullopt;
+}
+
+bool is_heading(std::string_view word, const Column& column) {
+  const std::string lower = letters_of(word);
   std::istringstream headings{std::string(column.headings)};
   for (std::string heading; headings >> heading;)
     if (lower.starts_with(heading)) return true;
@@ -85,7 +104,10 @@ bool is_heading(std::string_view word, const Column& column) {
 
 }  // namespace
 
-TrackReader::TrackReader(const std::string& path) : name_(path == "-" ? "standard input" : path) {
+TrackReader::TrackReader(const std::string& path, double height_unit_m)
+    : name_(path == "-" ? "standard input" : path),
+      usual_height_unit_m_(height_unit_m),
+      height_unit_m_(height_unit_m) {
   fd_.reset(path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!fd_) throw InputError(name_ + ": cannot be read: " + std::system_category().message(errno));
   struct stat status {};
@@ -100,6 +122,7 @@ void TrackReader::rewind() {
   searched_ = 0;
   line_ = 0;
   behind_.clear();
+  height_unit_m_ = usual_height_unit_m_;
   ended_ = begun_ = flying_ = is_track_ = false;
 }
 
@@ -152,6 +175,7 @@ void TrackReader::read_header(std::string_view line) {
     if (!is_heading(word, kTable[i]))
       throw InputError(fmt::format("{}: column {}: found {}; allowed: a number, or a header of {}", where(),
                                    i + 1, i == 0 ? "neither" : shown(word), kWanted));
+    if (kTable[i].name == "height") height_unit_m_ = unit_named(word).value_or(usual_height_unit_m_);
   }
   behind_.clear();
   while (!line.empty()) {
@@ -165,9 +189,9 @@ void TrackReader::read_motion(std::string_view rest, TrackPoint& point) const {
   for (const MotionColumn* column : behind_) {
     const std::string_view text = take_column(rest);
     if (column == nullptr || text.empty()) continue;
-    const std::string key = "antenna." + std::string(column->name);
-    const Column limits{column->name, key, {}};
-    const auto number = parse_number(text);
+    const Column limits{column->name, column->parameter, {}};
+    auto number = parse_number(text);
+    if (number) *number *= column->unit;
     if (!number || !within_limits(limits, *number))
       throw InputError(
           fmt::format("{}: {}: found {}; allowed: {}", where(), column->name, shown(text), allowed(limits)));
@@ -192,7 +216,8 @@ bool TrackReader::parse(std::string_view line, TrackPoint& point) {
       throw InputError(fmt::format("{}: found {}{}; allowed: {} and whatever follows, with commas between",
                                    where(), i, i == 1 ? " column" : " columns", kWanted));
     const std::string_view text = take_column(rest);
-    const auto number = parse_number(text);
+    auto number = parse_number(text);
+    if (number && values[i] == &point.height_m) *number *= height_unit_m_;
     if (!number || !within_limits(kTable[i], *number))
       throw InputError(fmt::format("{}: {}: found {}; allowed: {}", where(), kTable[i].name,
                                    number || is_track_ ? shown(text) : "no number", allowed(kTable[i])));

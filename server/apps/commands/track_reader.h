@@ -25,27 +25,35 @@ struct TrackPoint {
   std::optional<double> roll_deg, pitch_deg;
 };
 
+constexpr double kKnot_m_s = 1852.0 / 3600;  // exactly: NIST SP 811, appendix B
+
 /// A column behind the fifth that is read.
 struct MotionColumn {
-  std::string_view name;  ///< exactly, in a header; "antenna." and this is the parameter whose limits it has
+  std::string_view name;       ///< exactly, in a header
+  std::string_view parameter;  ///< whose limits it has
   std::optional<double> TrackPoint::*value;
+  double unit = 1;  ///< of the column, in the parameter's
 };
-inline constexpr std::array<MotionColumn, 5> kMotionColumns{{
-    {"velocity_north_m_s", &TrackPoint::velocity_north_m_s},
-    {"velocity_east_m_s", &TrackPoint::velocity_east_m_s},
-    {"velocity_up_m_s", &TrackPoint::velocity_up_m_s},
-    {"roll_deg", &TrackPoint::roll_deg},
-    {"pitch_deg", &TrackPoint::pitch_deg},
+inline constexpr std::array<MotionColumn, 8> kMotionColumns{{
+    {"velocity_north_m_s", "antenna.velocity_north_m_s", &TrackPoint::velocity_north_m_s},
+    {"velocity_east_m_s", "antenna.velocity_east_m_s", &TrackPoint::velocity_east_m_s},
+    {"velocity_up_m_s", "antenna.velocity_up_m_s", &TrackPoint::velocity_up_m_s},
+    {"velocity_north_kt", "antenna.velocity_north_m_s", &TrackPoint::velocity_north_m_s, kKnot_m_s},
+    {"velocity_east_kt", "antenna.velocity_east_m_s", &TrackPoint::velocity_east_m_s, kKnot_m_s},
+    {"velocity_up_kt", "antenna.velocity_up_m_s", &TrackPoint::velocity_up_m_s, kKnot_m_s},
+    {"roll_deg", "antenna.roll_deg", &TrackPoint::roll_deg},
+    {"pitch_deg", "antenna.pitch_deg", &TrackPoint::pitch_deg},
 }};
 
 /// Lines of comma-separated numbers, of which those behind the fifth are passed by, but for kMotionColumns,
 /// where a header names them; so are empty lines and those that begin with #. A first line that is no number
-/// is a header and must name the first five columns in that order. Throws InputError "FILE:LINE: column:
-/// found ...; allowed: ..." on anything else, a time that goes back included.
+/// is a header and must name the first five columns in that order; a unit in the name of the height
+/// (height_ft, "alt [m]") is that of its numbers. Throws InputError "FILE:LINE: column: found ...; allowed:
+/// ..." on anything else, a time that goes back included.
 class TrackReader {
  public:
-  /// "-": standard input.
-  explicit TrackReader(const std::string& path);
+  /// "-": standard input. height_unit_m: of heights whose column names no unit.
+  explicit TrackReader(const std::string& path, double height_unit_m = 1);
 
   enum class Got { point, end, nothing_yet };
   /// The next point, waiting at most so long for what has not been written yet.
@@ -66,6 +74,8 @@ class TrackReader {
   std::string name_;
   UniqueFd fd_;
   bool is_file_ = false;
+  const double usual_height_unit_m_;
+  double height_unit_m_;
   std::string read_;          ///< and not taken yet
   std::size_t searched_ = 0;  ///< of it, without a line's end
   bool ended_ = false;

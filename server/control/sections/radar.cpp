@@ -7,6 +7,7 @@
 #include "server/control/planes_per_bin.h"
 #include "server/control/quality_presets.h"
 #include "server/control/radar_presets.h"
+#include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 #include "server/radar/beam/pattern_cuts.h"
@@ -25,6 +26,9 @@ const std::array kShortForms{
         "radar.preset", "", radar_preset_choices(), "",
         "A whole radar: what the scene's own keys do not name. `obliq parameters --preset NAME` prints it.",
         nullptr, nullptr, "\"\"", Change::reload),
+    special<RadarConfig>("radar.platform", "", kAny, "the name of a [[platform]]",
+                         "What the radar rides on, by [mount]: its place and motion are the platform's.",
+                         nullptr, nullptr, "\"\"", Change::restart),
     special<RadarConfig>("frustum.quality", "", quality_choices(), "",
                          "Sets kind, plates, planes_per_bin or pixel_columns, and pixel_rows; the default "
                          "where [frustum] is empty.",
@@ -38,6 +42,18 @@ const std::array kShortForms{
     special<RadarConfig>("beam.file", "", kAny, "the path of a table cut,angle_deg,gain_db",
                          "What the patterns \"file\" are, by the cuts azimuth and elevation.", nullptr,
                          nullptr, "\"\"", Change::reload),
+};
+
+using OfMount = RowsOf<Change::restart, &RadarConfig::mount>;
+constexpr Limits kArm = closed(-1000, 1000);
+
+const std::array kMountRows{
+    OfMount::row<&Mount::forward_m>("mount.forward_m", "m", kArm,
+                                    "How far before its platform's reference point the antenna is."),
+    OfMount::row<&Mount::right_m>("mount.right_m", "m", kArm, "How far to the right of it."),
+    OfMount::row<&Mount::up_m>("mount.up_m", "m", kArm, "How far above it, in the platform's own axes."),
+    OfMount::row<&Mount::look_deg>("mount.look_deg", "deg", closed(-360, 360),
+                                   "Centre of the sector at the start, clockwise from the nose."),
 };
 
 /// What the scene says about a radar's frustum.
@@ -116,12 +132,27 @@ void read_frustum(const ConfigNode& table, RadarReading& radar, Complaints& comp
   reader.finish();
 }
 
-void read_name(SectionReader& reader, std::string& name) {
-  constexpr std::string_view kCharacters =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
-  if (!reader.read("name", Key{"radar.name", ""}, &name)) return;
-  if (name.empty() || name.size() > 64 || name.find_first_not_of(kCharacters) != std::string::npos)
-    reader.complain(*reader.table().find("name"), "name", "1 to 64 letters, digits, _ - .");
+/// The platform that a radar names; null if it names none.
+std::shared_ptr<const PlatformConfig> read_ride(SceneReading& scene, SectionReader& own) {
+  const ConfigNode* node = own.take("platform");
+  if (node == nullptr) return nullptr;
+  const auto* name = std::get_if<std::string>(&node->value);
+  std::string names;
+  for (const auto& platform : scene.config.platforms) {
+    if (name != nullptr && platform->name == *name) return platform;
+    names += (names.empty() ? "" : ", ") + toml_string(platform->name);
+  }
+  own.complain(*node, "platform", names.empty() ? "the name of a [[platform]]; there is none" : names);
+  return nullptr;
+}
+
+/// A radar that rides has no place of its own.
+void refuse_place(const ConfigNode& antenna, const PlatformConfig& platform, Complaints& complaints) {
+  for (const ConfigNode& node : antenna.items)
+    if (!node.key.starts_with("tilt"))
+      complaints.add(node.where, {"antenna." + node.key, "a place of its own",
+                                  "tilt_deg and tilt_auto alone: the radar rides on platform " +
+                                      toml_string(platform.name) + "; [mount] says where"});
 }
 
 /// Gives a radar without a named frustum that of kDefaultQuality.
@@ -166,7 +197,8 @@ ConfigNode read_preset(SectionReader& own) {
 RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   RadarReading radar;
   SectionReader own(table, "radar", scene.complaints);
-  read_name(own, radar.config.name);
+  read_name(own, "radar.name", radar.config.name);
+  radar.config.platform = read_ride(scene, own);
   const ConfigNode preset = read_preset(own);
   SectionReader given(preset, "", scene.complaints);
   if (const ConfigNode* of_radar = given.take("radar")) {
@@ -185,7 +217,13 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
         frusta.push_back(*found);
         continue;
       }
+      if (name == "antenna" && radar.config.platform && holder != &given)
+        refuse_place(*found, *radar.config.platform, scene.complaints);
+      if (name == "mount" && !radar.config.platform)
+        scene.complaints.add(found->where,
+                             {"mount", "a radar that rides on nothing", "radar.platform beside it"});
       SectionReader reader(*found, std::string(name), scene.complaints);
+      if (name == "mount") read_keys(scene, reader, Keys<RadarConfig>{kMountRows}, name, radar.config);
       read_parameters(reader, std::string(name), radar);
       read_special(scene, reader, radar);
       reader.finish();
@@ -196,6 +234,8 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
     radar.config.settings.video.floor_auto = false;
   if (!radar.set_at.contains("antenna.heading_deg"))
     radar.config.pose.heading_deg = radar.config.pose.bearing_deg;
+  if (radar.config.platform)
+    radar.config.pose = riding_at_start(*radar.config.platform, radar.config.mount, radar.config.pose);
   given.finish();
   own.finish();
   radar.choice = choose_frustum(frusta);
@@ -215,7 +255,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
     const auto at = radar.set_at.find(error.field);
     scene.complaints.add(at != radar.set_at.end() ? at->second : table.where, error);
   }
-  if (radar.config.pose.height_reference == HeightReference::ellipsoid &&
+  if (radar.config.pose.height_reference == HeightReference::ellipsoid && !radar.config.platform &&
       !radar.set_at.contains("antenna.geoid_undulation_m"))
     scene.complaints.add(radar.set_at.at("antenna.height_reference"),
                          {"antenna.geoid_undulation_m", "nothing with height_reference = \"ellipsoid\"",
@@ -224,7 +264,9 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
 }
 
 /// As TOML; empty where there is nothing to print.
-std::string special_value(std::string_view name, const RadarSettings& settings) {
+std::string special_value(std::string_view name, const RadarConfig& radar) {
+  const RadarSettings& settings = radar.settings;
+  if (name == "radar.platform" && radar.platform) return toml_string(radar.platform->name);
   if (name == "scan.bars" && !settings.scan_bars_deg.empty())
     return toml_list(settings.scan_bars_deg, toml_number);
   if (name == "beam.file" && settings.beam.file) return toml_string(settings.beam.file->path.string());
@@ -241,12 +283,13 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
   for (const Parameter& p : parameters()) {
     const auto name = name_in(table, p.key.name);
     const bool follows = by_planes && name == "pixel_columns";  // beside planes_per_bin it would decide
-    if (!name.empty() && !follows && !(radar.finds_pixels && name.starts_with("pixel_")))
+    const bool is_platforms = radar.platform && p.message == WireMessage::pose && !name.starts_with("tilt");
+    if (!name.empty() && !follows && !is_platforms && !(radar.finds_pixels && name.starts_with("pixel_")))
       text += printed_line(name, toml_text(load(p.key, p.slot(radar))), p.key.summary,
                            allowed_text(p.key, p.slot(radar)), p.change);
   }
   for (const auto& [key, form, read, print, default_text, change] : kShortForms) {
-    const std::string value = special_value(key.name, radar.settings);
+    const std::string value = special_value(key.name, radar);
     if (!value.empty() && !name_in(table, key.name).empty())
       text += printed_line(name_in(table, key.name), value, key.summary, allowed_text(key, form), change);
   }
@@ -256,6 +299,7 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
 }  // namespace
 
 std::span<const SpecialKey<RadarConfig>> radar_special_keys() { return kShortForms; }
+std::span<const Row<RadarConfig>> mount_rows() { return kMountRows; }
 
 std::vector<MissingPosition> read_radars(SceneReading& scene) {
   std::vector<MissingPosition> missing;
@@ -274,8 +318,13 @@ std::vector<MissingPosition> read_radars(SceneReading& scene) {
     if (std::ranges::find(radars, radar.config.name, &RadarConfig::name) != radars.end())
       scene.complaints.add(table.where, {"radar.name", "a second " + toml_string(radar.config.name),
                                          "a name of its own for each [[radar]]"});
-    const bool no_latitude = !radar.set_at.contains("antenna.latitude_deg");
-    const bool no_longitude = !radar.set_at.contains("antenna.longitude_deg");
+    for (const auto& platform : scene.config.platforms)
+      if (platform->name == radar.config.name)
+        scene.complaints.add(table.where, {"radar.name", toml_string(radar.config.name) + ", a platform's",
+                                           "a name that no [[platform]] has"});
+    const bool rides = radar.config.platform != nullptr;
+    const bool no_latitude = !rides && !radar.set_at.contains("antenna.latitude_deg");
+    const bool no_longitude = !rides && !radar.set_at.contains("antenna.longitude_deg");
     if (no_latitude || no_longitude) missing.push_back({radars.size(), no_latitude, no_longitude});
     if (radar.choice == FrustumChoice::nothing) nothing.push_back(radar.config.name);
     if (radar.choice == FrustumChoice::no_kind) no_kind.push_back(radar.config.name);
@@ -296,11 +345,15 @@ std::vector<MissingPosition> read_radars(SceneReading& scene) {
 }
 
 std::string printed_radars(const SceneConfig& config) {
-  std::string text;
+  std::string text = printed_platforms(config);
   for (const RadarConfig& radar : config.radars) {
     text += "\n[[radar]]\nname = " + toml_string(radar.name) + "\n" + printed_parameters("radar", radar);
-    for (const std::string_view table : kRadarTables)
-      text += "\n[radar." + std::string(table) + "]\n" + printed_parameters(table, radar);
+    for (const std::string_view table : kRadarTables) {
+      if (table == "mount" && !radar.platform) continue;
+      text += "\n[radar." + std::string(table) + "]\n" +
+              (table == "mount" ? printed_keys(Keys<RadarConfig>{kMountRows}, table, radar, config)
+                                : printed_parameters(table, radar));
+    }
   }
   return text;
 }

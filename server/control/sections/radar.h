@@ -1,12 +1,14 @@
 #pragma once
-// [radar] or [[radar]] with [antenna], [frustum], [bins], [scan], [beam], [pulse], [receiver], [video] and
-// [atmosphere].
+// [radar] or [[radar]] with [antenna], [mount], [frustum], [bins], [scan], [beam], [pulse], [receiver],
+// [video] and [atmosphere].
 #include <array>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "server/control/mount.h"
 #include "server/radar/settings.h"
 
 namespace obliq {
@@ -23,13 +25,16 @@ struct RadarConfig {
   PoseSettings pose;
   bool finds_pixels =
       false;  ///< pixel_columns and pixel_rows are to be found (server/loading/scene_loading.h)
+  /// That it rides on: its place is that one's (server/control/mount.h). Null: none.
+  std::shared_ptr<const PlatformConfig> platform = nullptr;
+  Mount mount = {};
 };
 
 /// Tables of a radar beside its own: in the scene file for all radars, or in [radar] for one.
-inline constexpr std::array<std::string_view, 9> kRadarTables{
-    "antenna", "frustum", "bins", "scan", "beam", "pulse", "receiver", "video", "atmosphere"};
+inline constexpr std::array<std::string_view, 10> kRadarTables{
+    "antenna", "mount", "frustum", "bins", "scan", "beam", "pulse", "receiver", "video", "atmosphere"};
 
-/// The short forms frustum.quality and frustum.pixels.
+/// The short forms frustum.quality and frustum.pixels, and what else no message carries.
 std::span<const SpecialKey<RadarConfig>> radar_special_keys();
 
 /// Which radars name no position of their own (by index): they get the terrain's centre.

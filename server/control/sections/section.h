@@ -123,6 +123,9 @@ std::string printed_keys(const Keys<T>& keys, std::string_view prefix, T object,
   return text;
 }
 
+/// The keys of [mount].
+std::span<const Row<RadarConfig>> mount_rows();
+
 /// Reads all of sections().
 void read_sections(SceneReading& scene);
 /// Reads one that is in no other.

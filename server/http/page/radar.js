@@ -197,21 +197,24 @@ export class RadarControls {
   }
 
   /**
-   * The antenna is turned by the settings' holder, its platform moved by whoever holds the pose: this page, when nobody does.
+   * The antenna is turned by the settings' holder; the radar, or the platform that it rides on, is moved by whoever holds its
+   * pose: this page, when nobody does.
    * @param {Record<string, any>} pose fields that change
    */
   async pose(pose) {
     const { link } = this.app;
     const { radar } = this;
     const isAim = (field) => this.table?.some(({ aim, message_field }) => aim && message_field === `Pose.${field}`);
-    const borrows = !Object.keys(pose).every(isAim) && !this.holds("POSE_CLAIM");
+    const moves = !Object.keys(pose).every(isAim);
+    const borrows = moves && !this.holds("POSE_CLAIM");
+    const flown = (moves && this.info?.platform) || radar;
     if (!borrows && this.isFlown && "bearing_deg" in pose) // then it counts from the heading
       pose = { ...pose, bearing_deg: turned(pose.bearing_deg - number(this.info.pose?.heading_deg)) };
-    if (borrows) await link.ask("ClaimControl", { radar, kinds: ["POSE_CLAIM"] });
+    if (borrows) await link.ask("ClaimControl", { radar: flown, kinds: ["POSE_CLAIM"] });
     try {
-      await link.ask("SetPose", { radar, pose });
+      await link.ask("SetPose", { radar: flown, pose });
     } finally {
-      if (borrows) await link.ask("ReleaseControl", { radar, kinds: ["POSE_CLAIM"] });
+      if (borrows) await link.ask("ReleaseControl", { radar: flown, kinds: ["POSE_CLAIM"] });
     }
   }
 

@@ -91,6 +91,11 @@ class Server:
         """A live radar: the only one, or the one of that name."""
         return Radar(self, requests.radar_name(self.info.radars, name))
 
+    async def platform(self, name: str | None = None) -> Radar:
+        """What radars ride on: the only one, or the one of that name. Its pose moves all of them; settings are their own."""
+        there = await self._run(self._session.call(wire.ListRadars(), wire.RadarList))
+        return Radar(self, requests.radar_name(there.platforms, name, "platform"))
+
     @property
     def replay(self) -> Replay:
         """Pause, speed and place of a server that replays a recording (`obliq replay FILE --serve`)."""

@@ -174,15 +174,15 @@ def read_token(token: str | None, token_file: str | os.PathLike[str] | None) -> 
         return lines.readline().strip()
 
 
-def radar_name(radars: Sequence[str], name: str | None) -> str:
+def radar_name(radars: Sequence[str], name: str | None, what: str = "radar") -> str:
     """The only one, or the one of that name."""
     if name is None:
         if len(radars) == 1:
             return radars[0]
-        raise ValueError(f"radar: the server has {len(radars)}; name one of {', '.join(radars)}")
+        raise ValueError(f"{what}: the server has {len(radars)}" + (f"; name one of {', '.join(radars)}" if radars else ""))
     if name not in radars:
-        raise UnknownRadar(101, "unknown radar" + hint(name, radars),
-                           [Fault("radar", str(name), ", ".join(radars))])
+        raise UnknownRadar(101, f"unknown {what}" + hint(name, radars),
+                           [Fault(what, str(name), ", ".join(radars) or f"none, the scene has no {what}s")])
     return name
 
 

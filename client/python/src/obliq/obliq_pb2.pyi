@@ -221,20 +221,22 @@ class ExerciseEvents(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., events: _Optional[_Iterable[_Union[ExerciseEvent, _Mapping]]] = ..., more: bool = ..., lost: _Optional[int] = ..., state: _Optional[_Union[ExerciseState, _Mapping]] = ..., frozen: bool = ...) -> None: ...
 
 class ExerciseState(_message.Message):
-    __slots__ = ["build", "radars", "request_id", "scene_hash", "scene_name", "version"]
+    __slots__ = ["build", "platforms", "radars", "request_id", "scene_hash", "scene_name", "version"]
     BUILD_FIELD_NUMBER: _ClassVar[int]
+    PLATFORMS_FIELD_NUMBER: _ClassVar[int]
     RADARS_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     SCENE_HASH_FIELD_NUMBER: _ClassVar[int]
     SCENE_NAME_FIELD_NUMBER: _ClassVar[int]
     VERSION_FIELD_NUMBER: _ClassVar[int]
     build: str
+    platforms: _containers.RepeatedCompositeFieldContainer[PlatformState]
     radars: _containers.RepeatedCompositeFieldContainer[RadarState]
     request_id: int
     scene_hash: str
     scene_name: str
     version: int
-    def __init__(self, request_id: _Optional[int] = ..., version: _Optional[int] = ..., scene_hash: _Optional[str] = ..., scene_name: _Optional[str] = ..., build: _Optional[str] = ..., radars: _Optional[_Iterable[_Union[RadarState, _Mapping]]] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., version: _Optional[int] = ..., scene_hash: _Optional[str] = ..., scene_name: _Optional[str] = ..., build: _Optional[str] = ..., radars: _Optional[_Iterable[_Union[RadarState, _Mapping]]] = ..., platforms: _Optional[_Iterable[_Union[PlatformState, _Mapping]]] = ...) -> None: ...
 
 class FieldFault(_message.Message):
     __slots__ = ["allowed", "field", "found"]
@@ -544,6 +546,14 @@ class Material(_message.Message):
     rms_slope: float
     def __init__(self, name: _Optional[str] = ..., model: _Optional[str] = ..., gamma: _Optional[float] = ..., reflectivity: _Optional[float] = ..., rms_slope: _Optional[float] = ..., plate_tau: _Optional[float] = ..., plate_exponent: _Optional[float] = ...) -> None: ...
 
+class PlatformState(_message.Message):
+    __slots__ = ["platform", "pose"]
+    PLATFORM_FIELD_NUMBER: _ClassVar[int]
+    POSE_FIELD_NUMBER: _ClassVar[int]
+    platform: str
+    pose: Pose
+    def __init__(self, platform: _Optional[str] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ...) -> None: ...
+
 class Pose(_message.Message):
     __slots__ = ["bearing_deg", "geoid_undulation_m", "heading_deg", "height_m", "height_reference", "latitude_deg", "longitude_deg", "new_time_line", "pitch_deg", "pose_id", "roll_deg", "sim_time_ns", "tilt_auto", "tilt_deg", "time_rate", "valid_s", "velocity_east_m_s", "velocity_north_m_s", "velocity_up_m_s"]
     BEARING_DEG_FIELD_NUMBER: _ClassVar[int]
@@ -611,7 +621,7 @@ class QueryGround(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., antenna: _Optional[_Union[Pose, _Mapping]] = ..., latitude_deg: _Optional[_Iterable[float]] = ..., longitude_deg: _Optional[_Iterable[float]] = ..., bearing_deg: _Optional[_Iterable[float]] = ..., range_m: _Optional[_Iterable[float]] = ..., height_m: _Optional[_Iterable[float]] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ...) -> None: ...
 
 class RadarInfo(_message.Message):
-    __slots__ = ["claimed_by_you", "controlled_by_you", "controller", "exercise_frozen", "fault", "frozen", "late_poses", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "settings", "settings_controller", "settings_version", "subscribers", "transmit_off"]
+    __slots__ = ["claimed_by_you", "controlled_by_you", "controller", "exercise_frozen", "fault", "frozen", "late_poses", "platform", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "riders", "settings", "settings_controller", "settings_version", "subscribers", "transmit_off"]
     CLAIMED_BY_YOU_FIELD_NUMBER: _ClassVar[int]
     CONTROLLED_BY_YOU_FIELD_NUMBER: _ClassVar[int]
     CONTROLLER_FIELD_NUMBER: _ClassVar[int]
@@ -619,12 +629,14 @@ class RadarInfo(_message.Message):
     FAULT_FIELD_NUMBER: _ClassVar[int]
     FROZEN_FIELD_NUMBER: _ClassVar[int]
     LATE_POSES_FIELD_NUMBER: _ClassVar[int]
+    PLATFORM_FIELD_NUMBER: _ClassVar[int]
     POSE_FIELD_NUMBER: _ClassVar[int]
     POSE_STALE_FIELD_NUMBER: _ClassVar[int]
     RADAR_FIELD_NUMBER: _ClassVar[int]
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     RATE_LIMIT_HZ_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    RIDERS_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_CONTROLLER_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
@@ -637,26 +649,30 @@ class RadarInfo(_message.Message):
     fault: str
     frozen: bool
     late_poses: int
+    platform: str
     pose: Pose
     pose_stale: bool
     radar: str
     rate_hz: float
     rate_limit_hz: float
     request_id: int
+    riders: _containers.RepeatedScalarFieldContainer[str]
     settings: RadarSettings
     settings_controller: str
     settings_version: int
     subscribers: int
     transmit_off: bool
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., controller: _Optional[str] = ..., controlled_by_you: bool = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., fault: _Optional[str] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., claimed_by_you: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., exercise_frozen: bool = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., controller: _Optional[str] = ..., controlled_by_you: bool = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., fault: _Optional[str] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., claimed_by_you: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., exercise_frozen: bool = ..., platform: _Optional[str] = ..., riders: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarList(_message.Message):
-    __slots__ = ["radars", "request_id"]
+    __slots__ = ["platforms", "radars", "request_id"]
+    PLATFORMS_FIELD_NUMBER: _ClassVar[int]
     RADARS_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    platforms: _containers.RepeatedScalarFieldContainer[str]
     radars: _containers.RepeatedScalarFieldContainer[str]
     request_id: int
-    def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ..., platforms: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
     __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_width_deg", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
@@ -793,7 +809,7 @@ class RadarState(_message.Message):
     def __init__(self, radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ...) -> None: ...
 
 class RadarStatus(_message.Message):
-    __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_controller", "settings_version", "subscribers", "transmit_off"]
+    __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "platform", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_controller", "settings_version", "subscribers", "transmit_off"]
     CONTROLLER_FIELD_NUMBER: _ClassVar[int]
     COVERAGE_FIELD_NUMBER: _ClassVar[int]
     COVERAGE_REASON_FIELD_NUMBER: _ClassVar[int]
@@ -807,6 +823,7 @@ class RadarStatus(_message.Message):
     LATE_POSES_FIELD_NUMBER: _ClassVar[int]
     LIVE_BYTES_FIELD_NUMBER: _ClassVar[int]
     LIVE_FRAMES_FIELD_NUMBER: _ClassVar[int]
+    PLATFORM_FIELD_NUMBER: _ClassVar[int]
     POSE_STALE_FIELD_NUMBER: _ClassVar[int]
     RADAR_FIELD_NUMBER: _ClassVar[int]
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
@@ -828,6 +845,7 @@ class RadarStatus(_message.Message):
     late_poses: int
     live_bytes: int
     live_frames: int
+    platform: str
     pose_stale: bool
     radar: str
     rate_hz: float
@@ -836,7 +854,7 @@ class RadarStatus(_message.Message):
     settings_version: int
     subscribers: int
     transmit_off: bool
-    def __init__(self, radar: _Optional[str] = ..., controller: _Optional[str] = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., frames: _Optional[int] = ..., last_render_s: _Optional[float] = ..., settings_version: _Optional[int] = ..., fault: _Optional[str] = ..., live_frames: _Optional[int] = ..., live_bytes: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., frames_shed: _Optional[int] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., dwells_missed: _Optional[int] = ..., coverage: _Optional[float] = ..., coverage_reason: _Optional[str] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ...) -> None: ...
+    def __init__(self, radar: _Optional[str] = ..., controller: _Optional[str] = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., frames: _Optional[int] = ..., last_render_s: _Optional[float] = ..., settings_version: _Optional[int] = ..., fault: _Optional[str] = ..., live_frames: _Optional[int] = ..., live_bytes: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., frames_shed: _Optional[int] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., dwells_missed: _Optional[int] = ..., coverage: _Optional[float] = ..., coverage_reason: _Optional[str] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., platform: _Optional[str] = ...) -> None: ...
 
 class ReleaseControl(_message.Message):
     __slots__ = ["kinds", "radar", "request_id"]

@@ -1,0 +1,121 @@
+// Requests that name a platform: all its radars' poses at once.
+#include "proto/obliq.pb.h"
+#include "server/control/parameters.h"
+#include "server/control/settings_message.h"
+#include "server/net/aim.h"
+#include "server/net/peer.h"
+#include "server/net/requests.h"
+#include "server/net/rights.h"
+#include "server/net/room.h"
+
+namespace obliq::net {
+
+using wire::ErrorNumber;
+
+namespace {
+
+/// What the flyer is told of fields that are the antennas' own.
+std::string not_of_a_platform(const wire::Pose& message) {
+  wire::Pose left = message;
+  std::vector<std::string> fields = take_out_tilt(left);
+  // Who also flies single radars says both; a bearing that is the heading asks for nothing.
+  if (message.has_bearing_deg() && message.has_heading_deg() &&
+      message.bearing_deg() != message.heading_deg())
+    fields.emplace_back("bearing_deg");
+  std::string names;
+  for (const std::string& field : fields) names += (names.empty() ? "" : ", ") + field;
+  return names.empty() ? names : names + ": not taken: each radar of a platform has its own";
+}
+
+/// Without where an antenna looks; a bearing alone is the heading, as of a client of version 1.1.
+wire::Pose of_platform(const wire::Pose& message) {
+  wire::Pose pose = message;
+  (void)take_out_tilt(pose);
+  if (message.has_bearing_deg() && !message.has_heading_deg()) pose.set_heading_deg(message.bearing_deg());
+  pose.clear_bearing_deg();
+  return pose;
+}
+
+}  // namespace
+
+FieldError no_pose_of_its_own(const LiveRadar& radar, const std::string& field) {
+  return {field, radar.name + ", which rides on platform " + radar.platform->name,
+          radar.platform->name + "; of the radar itself bearing_deg, tilt_deg and tilt_auto alone"};
+}
+
+void Requests::fly(Platform& platform, const wire::Pose& message) {
+  for (const LiveRadar* radar : platform.radars)
+    if (!demand_claims(*radar, wire::kPoseClaim)) return;
+  PoseSettings pose = platform.pose;
+  std::vector<FieldError> errors = merge_message(of_platform(message), pose);
+  append(errors, validate(pose));
+  std::vector<PoseSettings> of_radars;
+  for (const LiveRadar* radar : platform.radars) {
+    if (!errors.empty()) break;
+    of_radars.push_back(riding(pose, radar->initial.mount, radar->pose));
+    errors = pose_faults(room_, *radar, of_radars.back());
+    for (FieldError& error : errors) error.field = "radar " + radar->name + ": " + error.field;
+  }
+  if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
+
+  std::vector<std::string> warnings;
+  if (const std::string text = not_of_a_platform(message); !text.empty()) warnings.push_back(text);
+  bool is_taken = true;
+  for (std::size_t i = 0; i < of_radars.size(); ++i) {
+    LiveRadar& radar = *platform.radars[i];
+    if (message.new_time_line()) radar.poses->restart();
+    is_taken &= room_.radars().move(radar, of_radars[i], message.has_sim_time_ns());
+  }
+  if (is_taken) {
+    platform.pose = pose;
+  } else {
+    warnings.push_back(came_late(pose, platform.pose));
+  }
+  log_flight(platform.name);
+  acknowledge_pose(platform.radars, warnings);
+}
+
+void Requests::claim(Platform& platform, const wire::ClaimControl& request) {
+  for (const int kind : request.kinds())
+    if (kind != wire::POSE_CLAIM)
+      return refuse(ErrorNumber::invalid_value, "claim refused",
+                    {{"kinds", std::to_string(kind) + " of platform " + platform.name,
+                      "0, its pose; settings are its radars' own"}});
+  std::string held;
+  for (const LiveRadar* radar : platform.radars)
+    if (held.empty()) held = radar->claims.sentence(wire::kPoseClaim, &peer_);
+  if (!held.empty()) {
+    if (!request.force())
+      return refuse(ErrorNumber::controlled_by_other, "platform " + platform.name + ": " + held);
+    if (!demand(Role::admin, "taking control over")) return;
+  }
+  for (LiveRadar* radar : platform.radars) room_.radars().claim(*radar, wire::kPoseClaim, peer_);
+  acknowledge();
+}
+
+void Requests::release(Platform& platform) {
+  bool is_released = false;
+  for (LiveRadar* radar : platform.radars)
+    is_released |= room_.radars().release(*radar, wire::kPoseClaim, peer_) != 0;
+  if (!is_released) return (void)demand_claims(*platform.radars.front(), wire::kPoseClaim);
+  log_doing(peer_, platform.name, "pose released by " + peer_.name);
+  acknowledge();
+}
+
+void Requests::describe(const Platform& platform) {
+  wire::RadarInfo info;
+  info.set_request_id(id_);
+  info.set_radar(platform.name);
+  write_message(platform.pose, *info.mutable_pose());
+  const Peer* flyer = platform.radars.front()->claims.holder(wire::Claim::pose);
+  if (flyer != nullptr) info.set_controller(flyer->name);
+  info.set_controlled_by_you(flyer == &peer_);
+  if (flyer == &peer_) info.add_claimed_by_you(wire::POSE_CLAIM);
+  info.set_pose_stale(platform.radars.front()->poses->at(monotonic_ns()).stale);
+  info.set_late_poses(platform.radars.front()->poses->late());
+  info.set_exercise_frozen(room_.exercise().is_frozen());
+  for (const LiveRadar* radar : platform.radars) info.add_riders(radar->name);
+  peer_.send(wire::MessageType::radar_info, info);
+}
+
+}  // namespace obliq::net
