@@ -3,6 +3,7 @@ import concurrent.futures
 import json
 import multiprocessing
 import os
+import pathlib
 import signal
 import socket
 import subprocess
@@ -104,6 +105,17 @@ class Batch(Folder):
         self.assertEqual(len(set(data.ids)), len(POSES))
         for name, inode in seen.items():
             self.assertEqual((out / name / "frames.jsonl").stat().st_ino, inode)
+
+    def test_what_a_killed_worker_left_is_removed_also_before_its_parent_has_heard(self):
+        ended = subprocess.Popen(["true"])
+        while pathlib.Path(f"/proc/{ended.pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z":
+            time.sleep(0.01)
+        left, used = (self.folder / f".part-00001.{socket.gethostname()}.{pid}.0badcafe" for pid in (ended.pid, os.getpid()))
+        left.mkdir()
+        used.mkdir()
+        _shards.sweep(self.folder)
+        self.assertEqual((left.exists(), used.exists()), (False, True))
+        ended.wait()
 
     def test_a_killed_worker_of_a_pool_costs_its_shard_alone(self):
         out = self.folder / "pool"

@@ -160,11 +160,20 @@ class PartWriter:
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
+def _lives(pid: str) -> bool:
+    """Of a process that was killed, its parent may not have asked yet how it ended."""
+    try:
+        status = pathlib.Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] not in ("Z", "X")
+
+
 def sweep(out: str | os.PathLike[str]) -> None:
     """Removes what workers of this machine left when they were killed."""
     here = socket.gethostname()
     for left in pathlib.Path(out).glob(".part-*"):
         made = LEFT_BEHIND.fullmatch(left.name)
-        if made and made["host"] == here and not pathlib.Path(f"/proc/{made['pid']}").exists():
+        if made and made["host"] == here and not _lives(made["pid"]):
             with contextlib.suppress(OSError):
                 shutil.rmtree(left)
