@@ -172,6 +172,11 @@ namespace Obliq
         public byte[] Video;  ///< 0: nothing; else 1 + 254 (dB - video_floor_db) / video_span_db; null when not asked for
         public byte[] State;  ///< 0 not sampled, 1 sampled, 2 shadow, 3 no surface, 4 no ground at this range
         public float[] Iq;    ///< real and imaginary parts in turn
+        // Labels, of the ground's mean power in a bin:
+        public byte[] Material;   ///< of the greatest sum of power, as the descriptor numbers them; 255: no power
+        public float[] Building;  ///< share of power that walls and roofs give, 0 to 1
+        public float[] Height_m;  ///< above the datum, weighed by power; NaN: no power
+        public byte[] Returns;    ///< separate stretches of visible surface; above 1 is layover
         /// <summary>True bearing of each azimuth's left edge as it was seen: where the antenna itself turns, a pass's differ from
         /// azimuth_start_deg + a azimuth_width_deg. NaN: not seen yet.</summary>
         public double[] Bearings_deg;
@@ -193,7 +198,14 @@ namespace Obliq
             int bins = AzimuthBins * RangeBins;
             if (name == "VIDEO") return Video ?? (Video = new byte[bins]);
             if (name == "STATE") return State ?? (State = new byte[bins]);
-            return name == "IQ" ? Iq ?? (Iq = new float[2 * bins]) : null;
+            if (name == "IQ") return Iq ?? (Iq = new float[2 * bins]);
+            if (name == "BUILDING") return Building ?? (Building = new float[bins]);
+            if (name == "RETURNS") return Returns ?? (Returns = new byte[bins]);
+            bool isNew = name == "MATERIAL" ? Material == null : Height_m == null;
+            if (name == "MATERIAL" && isNew) Material = new byte[bins];
+            if (name == "HEIGHT" && isNew) Height_m = new float[bins];
+            if (isNew) SetEmpty(name, 0, AzimuthBins);
+            return name == "MATERIAL" ? Material : name == "HEIGHT" ? (Array)Height_m : null;
         }
         internal List<string> Planes()
         {
@@ -201,7 +213,23 @@ namespace Obliq
             if (Video != null) planes.Add("VIDEO");
             if (State != null) planes.Add("STATE");
             if (Iq != null) planes.Add("IQ");
+            if (Material != null) planes.Add("MATERIAL");
+            if (Building != null) planes.Add("BUILDING");
+            if (Height_m != null) planes.Add("HEIGHT");
+            if (Returns != null) planes.Add("RETURNS");
             return planes;
+        }
+        internal static int BytesOfABin(string plane)
+        {
+            return plane == "IQ" ? 8 : plane == "BUILDING" || plane == "HEIGHT" ? 4 : 1;
+        }
+        // What is not looked at holds no echo (PROTOCOL.md, planes).
+        internal void SetEmpty(string name, int firstAzimuth, int azimuths)
+        {
+            int first = firstAzimuth * RangeBins, end = first + azimuths * RangeBins;
+            if (name == "MATERIAL" && Material != null) for (int i = first; i < end; ++i) Material[i] = 255;
+            else if (name == "HEIGHT" && Height_m != null) for (int i = first; i < end; ++i) Height_m[i] = float.NaN;
+            else if (name != "MATERIAL" && name != "HEIGHT") Array.Clear(Plane(name), name == "IQ" ? 2 * first : first, (name == "IQ" ? 2 : 1) * (end - first));
         }
         internal void Seen(int first, int count, Pose pose)
         {
@@ -220,6 +248,10 @@ namespace Obliq
             Video = before.Video == null ? null : (byte[])before.Video.Clone();
             State = before.State == null ? null : (byte[])before.State.Clone();
             Iq = before.Iq == null ? null : (float[])before.Iq.Clone();
+            Material = before.Material == null ? null : (byte[])before.Material.Clone();
+            Building = before.Building == null ? null : (float[])before.Building.Clone();
+            Height_m = before.Height_m == null ? null : (float[])before.Height_m.Clone();
+            Returns = before.Returns == null ? null : (byte[])before.Returns.Clone();
             Bearings_deg = (double[])before.Bearings_deg.Clone();
             Continues = true;
         }
@@ -229,7 +261,7 @@ namespace Obliq
     public sealed class Dwell
     {
         public Frame Picture;  ///< has these rows already; ahead of the beam are the rows of the pass before
-        public string Plane;   ///< "VIDEO", "IQ" or "STATE"
+        public string Plane;   ///< "VIDEO", "IQ", "STATE", "MATERIAL", "BUILDING", "HEIGHT" or "RETURNS"
         public int FirstAzimuth, AzimuthCount;
         public Pose Pose;      ///< the antenna's, when the beam stood there
         public long BeamNs;    ///< when that was, by the server's monotonic clock; 0: the radar does not turn
@@ -364,7 +396,7 @@ namespace Obliq
         {
             return Scalars((string)await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false), "settings");
         }
-        /// <param name="planes">"VIDEO", "IQ", "STATE".</param>
+        /// <param name="planes">"VIDEO", "IQ", "STATE"; labels, of a server of 1.2: "MATERIAL", "BUILDING", "HEIGHT", "RETURNS".</param>
         public Task<Ack> SubscribeAsync(string radar, double rateHz, params string[] planes)
         {
             return AckAsync(Type.Subscribe, new Fields().Add("radar", radar).Add("rate_hz", rateHz).Add("planes", planes));
@@ -622,7 +654,7 @@ namespace Obliq
             var name = string.IsNullOrEmpty(block.plane) ? "IQ" : block.plane;
             var to = frame.Plane(name);
             if (to == null) return;
-            int binBytes = name == "IQ" ? 8 : 1, row = block.n_range * binBytes;
+            int binBytes = Frame.BytesOfABin(name), row = block.n_range * binBytes;
             if (count != block.n_azimuth * row) throw new IOException("a block that has not the bytes of its bins");
             for (int a = 0; a < block.n_azimuth; ++a)
                 Buffer.BlockCopy(bytes, from + a * row, to,
@@ -652,9 +684,8 @@ namespace Obliq
                 if (frame.Scan == null) Tell(frame, name, 0, frame.AzimuthBins, frame.Descriptor.pose, 0);
                 foreach (var span in missed)  // what was not looked at holds no echo
                 {
-                    int row = frame.Plane(name).Length / frame.AzimuthBins;
                     frame.Seen(span.first_azimuth, span.n_azimuth, frame.Descriptor.pose);
-                    if (frame.Continues) Array.Clear(frame.Plane(name), span.first_azimuth * row, span.n_azimuth * row);
+                    if (frame.Continues) frame.SetEmpty(name, span.first_azimuth, span.n_azimuth);
                     Tell(frame, name, span.first_azimuth, span.n_azimuth, frame.Descriptor.pose, 0);
                 }
             }

@@ -32,6 +32,9 @@ static class Probe
             Console.WriteLine("video " + Sum(frame.Video));
             Console.WriteLine("iq " + Sum(BytesOf(frame.Iq)));
             Console.WriteLine("state " + Sum(frame.State));
+            var labels = await stream.RenderAsLiveAsync(radar, new Fields(), new Fields(), "MATERIAL", "BUILDING", "HEIGHT", "RETURNS");
+            Console.WriteLine("labels " + Sum(labels.Material) + " " + Sum(BytesOf(labels.Building)) + " " + Sum(BytesOf(labels.Height_m)) + " " +
+                              Sum(labels.Returns));
             for (int frames = 0; frames < 4; await Task.Delay(10))
                 if (stream.TryTakeFrame(out frame)) ++frames;
             await stream.UnsubscribeAsync(radar);

@@ -74,8 +74,10 @@ def await_line(log, pattern, daemon):
 
 def sums_over_tcp(address):
     with obliq.connect(address, token=TOKEN) as server:
-        frame = server.radar("main").frame(planes="iq state video")
-        return [f"{name} {hashlib.sha256(getattr(frame, name).tobytes()).hexdigest()}" for name in ("video", "iq", "state")]
+        frame = server.radar("main").frame(planes="iq state video material building height returns")
+        sums = {name: hashlib.sha256(plane.tobytes()).hexdigest() for name, plane in frame.planes().items()}
+        return [*(f"{name} {sums[name]}" for name in ("video", "iq", "state")),
+                "labels " + " ".join(sums[name] for name in ("material", "building", "height", "returns"))]
 
 
 def turning_over_tcp(address):
