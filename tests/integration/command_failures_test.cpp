@@ -206,7 +206,13 @@ TEST_F(CommandFailures, AServerThatTakesConnectionsAndSaysNothingIsNotWaitedForL
 }
 
 TEST_F(CommandFailures, AnUnknownRadar) {
-  const ScriptedServer server([](MessageType, std::uint64_t id) { return welcome(id); });
+  const ScriptedServer server([](MessageType type, std::uint64_t id) {
+    if (type == MessageType::hello) return welcome(id);
+    wire::RadarList list;
+    list.set_request_id(id);
+    list.add_radars("main");
+    return wire::encode_message(MessageType::radar_list, {0, id, 0}, list);
+  });
   const Outcome outcome = obliq({"pose", "--server", server.address(), "--radar", "tail"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "obliq: --radar: found \"tail\"; allowed: main\n");

@@ -184,8 +184,10 @@ std::string choose_remote_radar(const client::Client& client, const ServerArgume
 }
 
 std::string choose_flown(client::Client& client, const ServerArguments& arguments) {
+  const auto& radars = client.welcome().radars();
+  const bool is_another = std::ranges::find(radars, arguments.radar) == radars.end();
   wire::RadarList list;
-  if (!arguments.radar.empty()) require(client.list_radars(list));
+  if (!arguments.radar.empty() && is_another) require(client.list_radars(list));
   const auto& platforms = list.platforms();
   if (std::ranges::find(platforms, arguments.radar) != platforms.end()) return arguments.radar;
   return choose_remote_radar(client, arguments);
