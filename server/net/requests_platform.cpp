@@ -48,6 +48,7 @@ void Requests::fly(Platform& platform, const wire::Pose& message) {
     if (!demand_claims(*radar, wire::kPoseClaim)) return;
   PoseSettings pose = platform.pose;
   std::vector<FieldError> errors = merge_message(of_platform(message), pose);
+  pose.bearing_deg = pose.heading_deg;
   append(errors, validate(pose));
   std::vector<PoseSettings> of_radars;
   for (const LiveRadar* radar : platform.radars) {

@@ -91,6 +91,7 @@ TEST_F(Ship, OnePoseMovesAllItsRadarsAndNoOther) {
 
   const wire::RadarInfo ship = info(host, "ship");
   EXPECT_EQ(ship.pose().longitude_deg(), 2);
+  EXPECT_EQ(ship.pose().bearing_deg(), 90) << "its heading";
   EXPECT_EQ(ship.riders_size(), 2);
   EXPECT_TRUE(ship.controlled_by_you());
   EXPECT_FALSE(ship.has_settings());

@@ -237,10 +237,11 @@ void run(const FlyArguments& arguments) {
 }  // namespace
 
 void add_fly(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("fly",
-                                         "Fly a server's radar along a track, while others may turn its "
-                                         "knobs; Ctrl-C ends it, the radar stays where it "
-                                         "is and is released");
+  CLI::App* command =
+      app.add_subcommand("fly",
+                         "Fly a server's radar, or a platform with all its radars, along a track, while "
+                         "others may turn the knobs; Ctrl-C ends it, the radar stays where it "
+                         "is and is released");
   auto arguments = std::make_shared<FlyArguments>();
   add_server_arguments(*command, arguments->server);
   command->add_option(

@@ -51,9 +51,11 @@ void run(const PoseArguments& arguments) {
     apply_radar_flags(arguments.set, config);
     wire::Pose pose;
     write_named(arguments.set, config.pose, pose);
-    if (!pose.has_pose_id()) pose.set_pose_id(config.pose.pose_id + 1);
+    // What rides on a platform has no pose of its own but where its antenna looks.
+    const bool rides = !info.platform().empty();
+    if (!pose.has_pose_id() && !rides) pose.set_pose_id(config.pose.pose_id + 1);
     wire::Ack ack;
-    require(client.claim(radar, wire::kPoseClaim));
+    require(client.claim(radar, rides ? wire::kSettingsClaim : wire::kPoseClaim));
     require(client.set_pose(radar, pose, ack));
     for (const std::string& warning : ack.warnings()) say_on_terminal({warning, true});
     require(client.get_radar(radar, info));
@@ -65,7 +67,8 @@ void run(const PoseArguments& arguments) {
 }  // namespace
 
 void add_pose(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("pose", "Show or set the pose of a server's radar");
+  CLI::App* command = app.add_subcommand(
+      "pose", "Show or set the pose of a server's radar, or of a platform that radars ride on");
   auto arguments = std::make_shared<PoseArguments>();
   add_server_arguments(*command, arguments->server, true);
   add_repeatable(*command, "--set", arguments->set, "KEY=VALUE, e.g. antenna.bearing_deg=90 (repeatable)");

@@ -188,9 +188,14 @@ std::string choose_flown(client::Client& client, const ServerArguments& argument
   const bool is_another = std::ranges::find(radars, arguments.radar) == radars.end();
   wire::RadarList list;
   if (!arguments.radar.empty() && is_another) require(client.list_radars(list));
-  const auto& platforms = list.platforms();
-  if (std::ranges::find(platforms, arguments.radar) != platforms.end()) return arguments.radar;
-  return choose_remote_radar(client, arguments);
+  if (list.platforms().empty()) return choose_remote_radar(client, arguments);
+  std::string names;
+  for (const auto& known : {list.radars(), list.platforms()})
+    for (const std::string& name : known) {
+      if (name == arguments.radar) return name;
+      names += (names.empty() ? "" : ", ") + name;
+    }
+  throw InputError("--radar: found \"" + arguments.radar + "\"; allowed: " + names);
 }
 
 RadarConfig config_of(const wire::RadarInfo& info) {
