@@ -181,6 +181,40 @@ TEST_F(DaemonReload, ParametersWhoseTextHasChangedAreTakenOverAndOthersStayAsCli
   EXPECT_EQ(daemon.log().find("restart obliqd"), std::string::npos) << daemon.log();
 }
 
+TEST(DaemonReloadOfPlatforms, TakesOverARidersTiltAndNamesWhatNeedsARestart) {
+  const TestFolder folder;
+  const auto write = [&](const std::string& height_m, const std::string& tilt_deg) {
+    return folder.write(
+        "scene.toml",
+        "[terrain]\nsynthetic = \"flat\"\n[server]\nport = 0\n[http]\nenabled = false\n"
+        "[[platform]]\nname = \"ship\"\nlatitude_deg = 33\nlongitude_deg = -99.5\nheight_m = " +
+            height_m +
+            "\n[radar]\nname = \"main\"\nplatform = \"ship\"\nr_min_m = 1000\nr_max_m = 3000\n"
+            "[radar.antenna]\ntilt_deg = " +
+            tilt_deg + "\n[bins]\nazimuth = 16\nrange = 16\n");
+  };
+  Daemon daemon({"--config", write("300", "-2")}, folder.path());
+  client::Client client = connected(daemon.address(), "pilot");
+  wire::Pose pose;
+  pose.set_height_m(500);
+  wire::Ack ack;
+  ASSERT_TRUE(client.claim("ship", wire::kPoseClaim).ok());
+  ASSERT_TRUE(client.set_pose("ship", pose, ack).ok());
+  write("400", "-3");
+  daemon.send_signal(SIGHUP);
+  const auto end = std::chrono::steady_clock::now() + kLong;
+  while (daemon.log().find("antenna.tilt_deg is now -3") == std::string::npos) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << daemon.log();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_NE(daemon.log().find("[[platform]] or what rides on it differs from what runs"), std::string::npos)
+      << daemon.log();
+  wire::RadarInfo info;
+  ASSERT_TRUE(client.get_radar("main", info).ok());
+  EXPECT_EQ(info.pose().height_m(), 500) << "where it is flown";
+  EXPECT_EQ(info.pose().tilt_deg(), -3);
+}
+
 constexpr const char* kStays = "token-of-one-who-stays";
 constexpr const char* kGoes = "token-of-one-who-goes";
 

@@ -12,6 +12,7 @@
 #include "server/apps/daemon/service_manager.h"
 #include "server/control/parameters.h"
 #include "server/control/scene_file.h"
+#include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
 #include "server/flight/scene_keeper.h"
 #include "server/loading/scene_loading.h"
@@ -46,6 +47,7 @@ std::string scene_text(SceneConfig config) {
   config.log = defaults.log;
   config.modbus = defaults.modbus;
   config.threads = defaults.threads;
+  config.platforms.clear();
   for (RadarConfig& radar : config.radars) {
     RadarConfig kept;
     kept.name = radar.name;
@@ -184,13 +186,18 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
   for (std::size_t i = 0; i < wanted.radars.size(); ++i) {
     const auto known = std::ranges::find(radars, wanted.radars[i].name, &RadarConfig::name);
     if (known == radars.end()) continue;  // needs a restart, which was said
-    server_->panel().set_initial(known->name, to_build.radars[i]);
+    RadarConfig initial = to_build.radars[i];
+    initial.mount = known->mount;  // a change of platforms needs a restart, which was said
+    server_->panel().set_initial(known->name, initial);
     net::PanelChange change;
     std::string text;
     const RadarSettings& of_file_now = wanted.radars[i].settings;
     const bool by_planes = of_file_now.frustum == FrustumKind::sweep && of_file_now.planes_per_bin > 0;
     for (const Parameter& parameter : parameters()) {
       if (by_planes && parameter.key.name == "frustum.pixel_columns") continue;  // they follow
+      const bool is_platforms =
+          parameter.message == WireMessage::pose && !parameter.wire_field.starts_with("tilt");
+      if (known->platform && is_platforms) continue;
       if (value_of(parameter, *known) == value_of(parameter, wanted.radars[i])) continue;
       change.settings.push_back({&parameter, value_of(parameter, to_build.radars[i])});
       text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +
@@ -248,6 +255,18 @@ std::string radar_names(const SceneConfig& config) {
   return all;
 }
 
+/// The platforms, and what rides on them where.
+std::string riders_text(const SceneConfig& config) {
+  std::string text = printed_platforms(config);
+  for (const RadarConfig& radar : config.radars) {
+    const Mount& m = radar.mount;
+    if (radar.platform)
+      text += fmt::format("{} on {}: {} {} {} {}\n", radar.name, radar.platform->name, m.forward_m, m.right_m,
+                          m.up_m, m.look_deg);
+  }
+  return text;
+}
+
 std::vector<std::string> keys_for_restart(const SceneConfig& running, const SceneConfig& wanted) {
   std::vector<std::string> keys;
   SceneConfig one = running;
@@ -259,6 +278,7 @@ std::vector<std::string> keys_for_restart(const SceneConfig& running, const Scen
   if (radar_names(running) != radar_names(wanted))
     keys.push_back(
         fmt::format("the radars (running: {}; wanted: {})", radar_names(running), radar_names(wanted)));
+  if (riders_text(running) != riders_text(wanted)) keys.emplace_back("[[platform]] or what rides on it");
   return keys;
 }
 
