@@ -201,11 +201,14 @@ namespace Obliq
             if (name == "IQ") return Iq ?? (Iq = new float[2 * bins]);
             if (name == "BUILDING") return Building ?? (Building = new float[bins]);
             if (name == "RETURNS") return Returns ?? (Returns = new byte[bins]);
-            bool isNew = name == "MATERIAL" ? Material == null : Height_m == null;
-            if (name == "MATERIAL" && isNew) Material = new byte[bins];
-            if (name == "HEIGHT" && isNew) Height_m = new float[bins];
-            if (isNew) SetEmpty(name, 0, AzimuthBins);
-            return name == "MATERIAL" ? Material : name == "HEIGHT" ? (Array)Height_m : null;
+            if (name == "MATERIAL") return Material ?? (Material = Filled(new byte[bins], 0, bins, NoMaterial));
+            return name == "HEIGHT" ? Height_m ?? (Height_m = Filled(new float[bins], 0, bins, float.NaN)) : null;
+        }
+        private const byte NoMaterial = 255;
+        private static T[] Filled<T>(T[] values, int first, int count, T value)
+        {
+            for (int i = first; i < first + count; ++i) values[i] = value;
+            return values;
         }
         internal List<string> Planes()
         {
@@ -226,10 +229,10 @@ namespace Obliq
         // What is not looked at holds no echo (PROTOCOL.md, planes).
         internal void SetEmpty(string name, int firstAzimuth, int azimuths)
         {
-            int first = firstAzimuth * RangeBins, end = first + azimuths * RangeBins;
-            if (name == "MATERIAL" && Material != null) for (int i = first; i < end; ++i) Material[i] = 255;
-            else if (name == "HEIGHT" && Height_m != null) for (int i = first; i < end; ++i) Height_m[i] = float.NaN;
-            else if (name != "MATERIAL" && name != "HEIGHT") Array.Clear(Plane(name), name == "IQ" ? 2 * first : first, (name == "IQ" ? 2 : 1) * (end - first));
+            int first = firstAzimuth * RangeBins, count = azimuths * RangeBins, numbers = name == "IQ" ? 2 : 1;
+            if (name == "MATERIAL") Filled(Material, first, count, NoMaterial);
+            else if (name == "HEIGHT") Filled(Height_m, first, count, float.NaN);
+            else Array.Clear(Plane(name), numbers * first, numbers * count);
         }
         internal void Seen(int first, int count, Pose pose)
         {

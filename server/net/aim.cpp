@@ -37,6 +37,12 @@ std::vector<std::string> take_out_tilt(wire::Pose& message) {
   return names;
 }
 
+std::string not_taken(const std::vector<std::string>& fields, const std::string& why) {
+  std::string names;
+  for (const std::string& field : fields) names += (names.empty() ? "" : ", ") + field;
+  return names.empty() ? names : names + ": not taken: " + why;
+}
+
 std::string came_late(const PoseSettings& pose, const PoseSettings& newest) {
   return "sim_time_ns: found " + std::to_string(pose.sim_time_ns) + " after " +
          std::to_string(newest.sim_time_ns) +

@@ -17,6 +17,8 @@ bool only_aims(const wire::Pose& message);
 /// Takes tilt out of the message; the names of the fields that were there.
 std::vector<std::string> take_out_tilt(wire::Pose& message);
 
+/// What the flyer is told of fields that are the operator's: "a, b: not taken: why"; empty of none.
+std::string not_taken(const std::vector<std::string>& fields, const std::string& why);
 /// What is said of a pose that was not taken, since the newest one is of a later time.
 std::string came_late(const PoseSettings& pose, const PoseSettings& newest);
 

@@ -1,7 +1,9 @@
 #pragma once
 // The exercise: all that an instructor saves, loads, resets and stops at once.
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "terrain/base/errors.h"
@@ -29,6 +31,37 @@ class ExercisePart {
   virtual void reset(const std::string& name, const std::string& by) = 0;
   virtual void freeze(bool on) = 0;
 };
+
+/// The state of the thing of that name; null: there is none.
+template <class States, class NameOf>
+auto state_of(const std::string& name, const States& states, NameOf name_of) {
+  const auto at = std::ranges::find(states, name, name_of);
+  return at == states.end() ? nullptr : &*at;
+}
+
+/// What is wrong with the states of all things of one kind, of which each must be there once. name_of: of a
+/// state; faults_of: of a thing as its state has it.
+template <class Things, class States, class NameOf, class FaultsOf>
+std::vector<FieldError> faults_of_each(const std::string& kind, const Things& things, const States& states,
+                                       NameOf name_of, FaultsOf faults_of) {
+  std::vector<FieldError> errors;
+  const std::string kinds = kind + "s";
+  if (static_cast<std::size_t>(states.size()) != things.size())
+    errors.push_back({kinds, std::to_string(states.size()) + " " + kinds,
+                      std::to_string(things.size()) + ", each of the server's once"});
+  for (const auto& thing : things) {
+    const auto* its = state_of(thing.name, states, name_of);
+    if (its == nullptr) {
+      errors.push_back({kinds, "nothing of " + thing.name, "a state of each " + kind + " that is served"});
+      continue;
+    }
+    for (FieldError& error : faults_of(thing, *its)) {
+      error.field = kind + " " + thing.name + ": " + error.field;
+      errors.push_back(std::move(error));
+    }
+  }
+  return errors;
+}
 
 /// On the io thread.
 class Exercise {

@@ -1,7 +1,5 @@
 #include "server/net/exercise_platforms.h"
 
-#include <algorithm>
-
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
@@ -11,10 +9,7 @@
 namespace obliq::net {
 namespace {
 
-const wire::PlatformState* state_of(const std::string& platform, const wire::ExerciseState& state) {
-  const auto at = std::ranges::find(state.platforms(), platform, [](const auto& p) { return p.platform(); });
-  return at == state.platforms().end() ? nullptr : &*at;
-}
+const std::string& name_of(const wire::PlatformState& state) { return state.platform(); }
 
 }  // namespace
 
@@ -27,32 +22,19 @@ void ExercisePlatforms::write(wire::ExerciseState& state) const {
 }
 
 std::vector<FieldError> ExercisePlatforms::faults(const wire::ExerciseState& state) {
-  std::vector<FieldError> errors;
-  const std::deque<Platform>& all = room_.radars().platforms();
-  if (state.platforms_size() != static_cast<int>(all.size()))
-    errors.push_back({"platforms", std::to_string(state.platforms_size()) + " platforms",
-                      std::to_string(all.size()) + ", each of the server's once"});
-  for (const Platform& platform : all) {
-    const wire::PlatformState* its = state_of(platform.name, state);
-    if (its == nullptr) {
-      errors.push_back(
-          {"platforms", "nothing of " + platform.name, "a state of each platform that is served"});
-      continue;
-    }
+  const auto faults_of = [&](const Platform& platform, const wire::PlatformState& its) {
     PoseSettings pose = platform.initial;
-    std::vector<FieldError> own = merge_message(its->pose(), pose);
-    append(own, validate(pose));
-    if (own.empty()) own = room_.renderer().place(pose);
-    for (FieldError& error : own) error.field = "platform " + platform.name + ": " + error.field;
-    append(errors, std::move(own));
-  }
-  return errors;
+    std::vector<FieldError> errors = merge_message(its.pose(), pose);
+    append(errors, validate(pose));
+    return errors.empty() ? room_.renderer().place(pose) : errors;
+  };
+  return faults_of_each("platform", room_.radars().platforms(), state.platforms(), name_of, faults_of);
 }
 
 void ExercisePlatforms::take(const wire::ExerciseState& state, const std::string& /*by*/) {
   for (Platform& platform : room_.radars().platforms()) {
     platform.pose = platform.initial;
-    (void)merge_message(state_of(platform.name, state)->pose(), platform.pose);
+    (void)merge_message(state_of(platform.name, state.platforms(), name_of)->pose(), platform.pose);
   }
 }
 

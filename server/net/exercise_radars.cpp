@@ -1,7 +1,5 @@
 #include "server/net/exercise_radars.h"
 
-#include <algorithm>
-
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
@@ -13,10 +11,7 @@
 namespace obliq::net {
 namespace {
 
-const wire::RadarState* state_of(const std::string& radar, const wire::ExerciseState& state) {
-  const auto at = std::ranges::find(state.radars(), radar, [](const auto& r) { return r.radar(); });
-  return at == state.radars().end() ? nullptr : &*at;
-}
+const std::string& name_of(const wire::RadarState& state) { return state.radar(); }
 
 }  // namespace
 
@@ -33,31 +28,19 @@ void ExerciseRadars::write(wire::ExerciseState& state) const {
 }
 
 std::vector<FieldError> ExerciseRadars::faults(const wire::ExerciseState& state) {
-  std::vector<FieldError> errors;
-  const std::deque<LiveRadar>& all = room_.radars().all();
-  if (state.radars_size() != static_cast<int>(all.size()))
-    errors.push_back({"radars", std::to_string(state.radars_size()) + " radars",
-                      std::to_string(all.size()) + ", each of the server's once"});
-  for (const LiveRadar& radar : all) {
-    const wire::RadarState* its = state_of(radar.name, state);
-    if (its == nullptr) {
-      errors.push_back({"radars", "nothing of " + radar.name, "a state of each radar that is served"});
-      continue;
-    }
-    std::vector<FieldError> own;
-    const Wanted wanted = read(radar, *its, own);
-    if (own.empty()) own = faults_of(wanted);
-    for (FieldError& error : own) error.field = "radar " + radar.name + ": " + error.field;
-    append(errors, std::move(own));
-  }
-  return errors;
+  const auto faults = [&](const LiveRadar& radar, const wire::RadarState& its) {
+    std::vector<FieldError> errors;
+    const Wanted wanted = read(radar, its, errors);
+    return errors.empty() ? faults_of(wanted) : errors;
+  };
+  return faults_of_each("radar", room_.radars().all(), state.radars(), name_of, faults);
 }
 
 void ExerciseRadars::take(const wire::ExerciseState& state, const std::string& by) {
   for (std::size_t i = 0; i < room_.radars().all().size(); ++i) {
     LiveRadar& radar = room_.radars().at(i);
     std::vector<FieldError> none;
-    put(radar, read(radar, *state_of(radar.name, state), none), by);
+    put(radar, read(radar, *state_of(radar.name, state.radars(), name_of), none), by);
   }
 }
 

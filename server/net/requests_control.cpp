@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <variant>
 
 #include "proto/limits.h"
 #include "proto/message_header.h"
@@ -117,22 +117,21 @@ bool Requests::demand_claims(const LiveRadar& radar, wire::ClaimSet claims) {
 
 namespace {
 
-/// What a message names; none: `unnamed`. Empty where it names what there is not.
-std::optional<wire::ClaimSet> read_kinds(const google::protobuf::RepeatedField<int>& kinds,
-                                         wire::ClaimSet unnamed) {
-  if (kinds.empty()) return unnamed;
+/// What a message names of a radar's claims; none: `unnamed`, as far as the radar has it. Or why it may not.
+/// The pose of a radar that rides is its platform's.
+std::variant<wire::ClaimSet, FieldError> read_kinds(const LiveRadar& radar,
+                                                    const google::protobuf::RepeatedField<int>& kinds,
+                                                    wire::ClaimSet unnamed) {
+  const wire::ClaimSet others = radar.platform ? wire::kPoseClaim : 0;
+  if (kinds.empty()) return static_cast<wire::ClaimSet>(unnamed & ~others);
   wire::ClaimSet claims = 0;
   for (const int kind : kinds) {
     const auto claim = wire::claim_from_number(kind);
-    if (!claim) return std::nullopt;
+    if (!claim) return FieldError{"kinds", std::to_string(kind), "0 to " + std::to_string(wire::kClaims - 1)};
     claims |= claim_bit(*claim);
   }
+  if ((claims & others) != 0) return no_pose_of_its_own(radar, "radar");
   return claims;
-}
-
-FieldError unknown_kind(const google::protobuf::RepeatedField<int>& kinds) {
-  const auto at = std::ranges::find_if(kinds, [](int kind) { return !wire::claim_from_number(kind); });
-  return {"kinds", std::to_string(*at), "0 to " + std::to_string(wire::kClaims - 1)};
 }
 
 }  // namespace
@@ -141,19 +140,17 @@ void Requests::claim_control(const wire::ClaimControl& request) {
   if (Platform* platform = room_.radars().find_platform(request.radar())) return claim(*platform, request);
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
-  // Of a radar that rides, the settings are all that there is to claim.
-  const wire::ClaimSet unnamed = radar->platform ? wire::kSettingsClaim : wire::kUnnamedClaims;
-  const auto wanted = read_kinds(request.kinds(), unnamed);
-  if (!wanted) return refuse(ErrorNumber::invalid_value, "claim refused", {unknown_kind(request.kinds())});
-  if (radar->platform && (*wanted & wire::kPoseClaim) != 0)
-    return refuse(ErrorNumber::invalid_value, "claim refused", {no_pose_of_its_own(*radar, "radar")});
-  if (radar->claims.taken(*wanted, &peer_) != 0) {
+  const auto kinds = read_kinds(*radar, request.kinds(), wire::kUnnamedClaims);
+  if (const auto* fault = std::get_if<FieldError>(&kinds))
+    return refuse(ErrorNumber::invalid_value, "claim refused", {*fault});
+  const wire::ClaimSet wanted = std::get<wire::ClaimSet>(kinds);
+  if (radar->claims.taken(wanted, &peer_) != 0) {
     if (!request.force())
       return refuse(ErrorNumber::controlled_by_other,
-                    "radar " + radar->name + ": " + radar->claims.sentence(*wanted, &peer_));
+                    "radar " + radar->name + ": " + radar->claims.sentence(wanted, &peer_));
     if (!demand(Role::admin, "taking control over")) return;
   }
-  room_.radars().claim(*radar, *wanted, peer_);
+  room_.radars().claim(*radar, wanted, peer_);
   acknowledge(radar->settings.current()->version);
 }
 
@@ -161,13 +158,12 @@ void Requests::release_control(const wire::ReleaseControl& request) {
   if (Platform* platform = room_.radars().find_platform(request.radar())) return release(*platform);
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
-  const wire::ClaimSet all = radar->platform ? wire::kSettingsClaim : wire::kEveryClaim;
-  const auto wanted = read_kinds(request.kinds(), all);
-  if (!wanted) return refuse(ErrorNumber::invalid_value, "release refused", {unknown_kind(request.kinds())});
-  if (radar->platform && (*wanted & wire::kPoseClaim) != 0)
-    return refuse(ErrorNumber::invalid_value, "release refused", {no_pose_of_its_own(*radar, "radar")});
-  const wire::ClaimSet released = room_.radars().release(*radar, *wanted, peer_);
-  if (released == 0) return (void)demand_claims(*radar, *wanted);
+  const auto kinds = read_kinds(*radar, request.kinds(), wire::kEveryClaim);
+  if (const auto* fault = std::get_if<FieldError>(&kinds))
+    return refuse(ErrorNumber::invalid_value, "release refused", {*fault});
+  const wire::ClaimSet wanted = std::get<wire::ClaimSet>(kinds);
+  const wire::ClaimSet released = room_.radars().release(*radar, wanted, peer_);
+  if (released == 0) return (void)demand_claims(*radar, wanted);
   log_doing(peer_, radar->name, wire::claim_names(released) + " released by " + peer_.name);
   acknowledge(radar->settings.current()->version);
 }

@@ -14,26 +14,14 @@ using wire::ErrorNumber;
 
 namespace {
 
-/// What the flyer is told of fields that are the antennas' own.
-std::string not_of_a_platform(const wire::Pose& message) {
-  wire::Pose left = message;
-  std::vector<std::string> fields = take_out_tilt(left);
-  // Who also flies single radars says both; a bearing that is the heading asks for nothing.
-  if (message.has_bearing_deg() && message.has_heading_deg() &&
-      message.bearing_deg() != message.heading_deg())
-    fields.emplace_back("bearing_deg");
-  std::string names;
-  for (const std::string& field : fields) names += (names.empty() ? "" : ", ") + field;
-  return names.empty() ? names : names + ": not taken: each radar of a platform has its own";
-}
-
-/// Without where an antenna looks; a bearing alone is the heading, as of a client of version 1.1.
-wire::Pose of_platform(const wire::Pose& message) {
-  wire::Pose pose = message;
-  (void)take_out_tilt(pose);
-  if (message.has_bearing_deg() && !message.has_heading_deg()) pose.set_heading_deg(message.bearing_deg());
+/// Takes out where an antenna looks; the names of the fields that asked for it. A bearing alone becomes the
+/// heading, as of a client of version 1.1; beside an equal heading it asks for nothing.
+std::vector<std::string> take_out_aim(wire::Pose& pose) {
+  std::vector<std::string> fields = take_out_tilt(pose);
+  if (pose.has_bearing_deg() && !pose.has_heading_deg()) pose.set_heading_deg(pose.bearing_deg());
+  if (pose.has_bearing_deg() && pose.bearing_deg() != pose.heading_deg()) fields.emplace_back("bearing_deg");
   pose.clear_bearing_deg();
-  return pose;
+  return fields;
 }
 
 }  // namespace
@@ -46,8 +34,10 @@ FieldError no_pose_of_its_own(const LiveRadar& radar, const std::string& field) 
 void Requests::fly(Platform& platform, const wire::Pose& message) {
   for (const LiveRadar* radar : platform.radars)
     if (!demand_claims(*radar, wire::kPoseClaim)) return;
+  wire::Pose taken = message;
+  const std::vector<std::string> ignored = take_out_aim(taken);
   PoseSettings pose = platform.pose;
-  std::vector<FieldError> errors = merge_message(of_platform(message), pose);
+  std::vector<FieldError> errors = merge_message(taken, pose);
   pose.bearing_deg = pose.heading_deg;
   append(errors, validate(pose));
   std::vector<PoseSettings> of_radars;
@@ -60,7 +50,7 @@ void Requests::fly(Platform& platform, const wire::Pose& message) {
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
 
   std::vector<std::string> warnings;
-  if (const std::string text = not_of_a_platform(message); !text.empty()) warnings.push_back(text);
+  if (!ignored.empty()) warnings.push_back(not_taken(ignored, "each radar of a platform has its own"));
   bool is_taken = true;
   for (std::size_t i = 0; i < of_radars.size(); ++i) {
     LiveRadar& radar = *platform.radars[i];

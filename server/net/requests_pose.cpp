@@ -29,13 +29,6 @@ NamedAngles angles_of(const wire::Pose& message) {
   return {message.has_bearing_deg(), message.has_heading_deg()};
 }
 
-/// What the flyer is told of fields that are the operator's.
-std::string not_taken(const std::vector<std::string>& fields, const Peer& hand) {
-  std::string names;
-  for (const std::string& field : fields) names += (names.empty() ? "" : ", ") + field;
-  return names + ": not taken: " + hand.name + " holds the settings, and with them where the antenna looks";
-}
-
 }  // namespace
 
 void Requests::set_pose(const wire::SetPose& request) {
@@ -64,7 +57,9 @@ void Requests::fly(LiveRadar& radar, const wire::Pose& message) {
   if (hand == Hand::flyer) {
     std::vector<std::string> ignored = take_out_tilt(taken);
     if (message.has_bearing_deg() && has_heading) ignored.emplace_back("bearing_deg");
-    if (!ignored.empty()) warnings.push_back(not_taken(ignored, *other));
+    if (!ignored.empty())
+      warnings.push_back(
+          not_taken(ignored, other->name + " holds the settings, and with them where the antenna looks"));
     if (message.has_bearing_deg() && !has_heading)
       warnings.push_back("bearing_deg: taken for the heading: " + other->name +
                          " holds the settings, and with them where the antenna looks from there");

@@ -97,8 +97,11 @@ class Ride:
         return self.said
 
 
-class Datagrams(unittest.TestCase):
+class FromHome(unittest.TestCase):
+    """The radar of the shared daemon is where it was when a ride has ended."""
+
     def setUp(self):
+        super().setUp()
         with obliq.connect(support.shared_daemon()) as server:
             self.home = server.radar("main").pose
         self.addCleanup(self.go_home)  # behind the ride's end
@@ -107,6 +110,8 @@ class Datagrams(unittest.TestCase):
         with obliq.connect(support.shared_daemon()) as server, server.radar("main").control() as control:
             control.set_pose(self.home.replace(sim_time_ns=None, pose_id=None))
 
+
+class Datagrams(FromHome):
     def test_poses_are_taken_as_they_come(self):
         ride = Ride(self)
         ride.send(pose_datagram(33.01, -99.49, 1700.0, 80.0, 5_000_000_000, 41))

@@ -5,7 +5,7 @@ import subprocess
 import unittest
 
 import support
-from fly_test import Ride, entity_state, pose_datagram
+from fly_test import FromHome, Ride, entity_state, pose_datagram
 from support import OBLIQ, Folder, obliq, run
 import numpy as np
 
@@ -46,18 +46,8 @@ class Frames(unittest.TestCase):
                 control.set_pose(pitch_deg=float("nan"))
 
 
-class Doors(Folder):
+class Doors(FromHome, Folder):
     """Of `obliq fly`: version 2 of the datagram, DIS, tracks."""
-
-    def setUp(self):
-        super().setUp()
-        with obliq.connect(support.shared_daemon()) as server:
-            self.home = server.radar("main").pose
-        self.addCleanup(self.go_home)  # behind the ride's end
-
-    def go_home(self):
-        with obliq.connect(support.shared_daemon()) as server, server.radar("main").control() as control:
-            control.set_pose(self.home.replace(sim_time_ns=None, pose_id=None))
 
     def test_datagrams_of_version_2_carry_velocity_and_attitude(self):
         ride = Ride(self)

@@ -51,7 +51,7 @@ void run(const PoseArguments& arguments) {
     apply_radar_flags(arguments.set, config);
     wire::Pose pose;
     write_named(arguments.set, config.pose, pose);
-    // What rides on a platform has no pose of its own but where its antenna looks.
+    // A radar on a platform is not moved by itself; its antenna is turned by whoever holds its settings.
     const bool rides = !info.platform().empty();
     if (!pose.has_pose_id() && !rides) pose.set_pose_id(config.pose.pose_id + 1);
     wire::Ack ack;

@@ -60,8 +60,7 @@ std::string why_no_parameter(const std::string& name) {
   }
   if (name == "radar.platform" || name.starts_with("mount."))
     return "stands in the scene file alone, which says what rides on what; allowed: change it there and "
-           "start "
-           "obliqd anew";
+           "start obliqd anew";
   if (name == "beam.file" || name == "scan.bars" || name == "radar.preset")
     return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
@@ -223,9 +222,12 @@ void write_named(const std::vector<std::string>& flags, const PoseSettings& pose
   write_message(pose, all);
   RadarConfig named{"", {}, pose};
   const google::protobuf::Reflection& reflection = *all.GetReflection();
+  bool opens = false;  // a velocity that was given
   for (const Parameter& parameter : parameters()) {
     if (parameter.message != WireMessage::pose) continue;
-    if (names_key(flags, parameter.key.name) && !is_left_open(parameter.slot(named))) continue;
+    const bool is_named = names_key(flags, parameter.key.name);
+    if (is_named && !is_left_open(parameter.slot(named))) continue;
+    opens |= is_named;
     reflection.ClearField(&all, all.GetDescriptor()->FindFieldByName(std::string(parameter.wire_field)));
   }
   // A number ends "auto" by itself; "auto" is no number.
@@ -233,11 +235,7 @@ void write_named(const std::vector<std::string>& flags, const PoseSettings& pose
     all.clear_tilt_deg();
     all.set_tilt_auto(true);
   }
-  // A velocity that is left open again: a place without one says so.
-  const auto opens = [&](const Parameter& p) {
-    return p.message == WireMessage::pose && is_left_open(p.slot(named)) && names_key(flags, p.key.name);
-  };
-  if (std::ranges::any_of(parameters(), opens)) all.set_latitude_deg(pose.latitude_deg);
+  if (opens) all.set_latitude_deg(pose.latitude_deg);  // a place without a velocity ends it
   message = all;
 }
 

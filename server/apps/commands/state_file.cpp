@@ -170,15 +170,14 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
     (void)end.read("complete", Key{"end.complete", ""}, &complete);
   });
   top.finish();
-  if (state.radars_size() != radars && complaints.empty())
-    complaints.add(path.string(),
-                   FieldError{"radar", std::to_string(state.radars_size()) + " radars",
-                              std::to_string(radars) + ", as exercise.radars says; the file has been cut"});
-  if (state.platforms_size() != platforms && complaints.empty())
-    complaints.add(
-        path.string(),
-        FieldError{"platform", std::to_string(state.platforms_size()) + " platforms",
-                   std::to_string(platforms) + ", as exercise.platforms says; the file has been cut"});
+  const auto compare = [&](const std::string& kind, int found, std::int64_t said) {
+    if (found == said || !complaints.empty()) return;
+    complaints.add(path.string(), FieldError{kind, std::to_string(found) + " " + kind + "s",
+                                             std::to_string(said) + ", as exercise." + kind +
+                                                 "s says; the file has been cut"});
+  };
+  compare("radar", state.radars_size(), radars);
+  compare("platform", state.platforms_size(), platforms);
   if (!complete && complaints.empty())
     complaints.add(path.string(),
                    FieldError{"end.complete", "nothing", "true, at the end; the file has been cut"});

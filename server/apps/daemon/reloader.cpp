@@ -195,9 +195,7 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
     const bool by_planes = of_file_now.frustum == FrustumKind::sweep && of_file_now.planes_per_bin > 0;
     for (const Parameter& parameter : parameters()) {
       if (by_planes && parameter.key.name == "frustum.pixel_columns") continue;  // they follow
-      const bool is_platforms =
-          parameter.message == WireMessage::pose && !parameter.wire_field.starts_with("tilt");
-      if (known->platform && is_platforms) continue;
+      if (is_of_platform(*known, parameter)) continue;
       if (value_of(parameter, *known) == value_of(parameter, wanted.radars[i])) continue;
       change.settings.push_back({&parameter, value_of(parameter, to_build.radars[i])});
       text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +

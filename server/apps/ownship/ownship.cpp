@@ -11,6 +11,8 @@
 #include <numbers>
 #include <utility>
 
+#include "server/radar/settings.h"
+
 namespace obliq {
 namespace {
 
@@ -21,7 +23,6 @@ constexpr double kMostHeight_m = 100000;
 constexpr std::int64_t kMostTime_ns = 4'000'000'000'000'000'000;
 // Further from the earth's centre than that is no aircraft; the square of such a number still has a meaning.
 constexpr double kMostRadius_m = 7e6;
-constexpr double kMostSpeed_m_s = 20000;
 
 template <typename Number, std::endian order>
 Number number_at(std::span<const std::byte> bytes, std::size_t offset) {

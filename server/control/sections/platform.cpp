@@ -44,6 +44,11 @@ std::vector<const Parameter*> platform_parameters() {
   return list;
 }
 
+bool is_of_platform(const RadarConfig& radar, const Parameter& parameter) {
+  return radar.platform && parameter.message == WireMessage::pose &&
+         !parameter.wire_field.starts_with("tilt");
+}
+
 std::string platform_key(const Parameter& parameter) { return "platform." + local_name(parameter); }
 
 void read_name(SectionReader& reader, std::string_view key, std::string& name) {

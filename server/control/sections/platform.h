@@ -16,6 +16,9 @@ std::vector<const Parameter*> platform_parameters();
 /// "platform.height_m"
 std::string platform_key(const Parameter& parameter);
 
+/// Of a radar that rides: it is its platform's, not its own.
+bool is_of_platform(const RadarConfig& radar, const Parameter& parameter);
+
 /// Before the radars.
 void read_platforms(SceneReading& scene);
 std::string printed_platforms(const SceneConfig& config);

@@ -283,8 +283,8 @@ std::string printed_parameters(std::string_view table, RadarConfig radar) {
   for (const Parameter& p : parameters()) {
     const auto name = name_in(table, p.key.name);
     const bool follows = by_planes && name == "pixel_columns";  // beside planes_per_bin it would decide
-    const bool is_platforms = radar.platform && p.message == WireMessage::pose && !name.starts_with("tilt");
-    if (!name.empty() && !follows && !is_platforms && !(radar.finds_pixels && name.starts_with("pixel_")))
+    if (!name.empty() && !follows && !is_of_platform(radar, p) &&
+        !(radar.finds_pixels && name.starts_with("pixel_")))
       text += printed_line(name, toml_text(load(p.key, p.slot(radar))), p.key.summary,
                            allowed_text(p.key, p.slot(radar)), p.change);
   }
