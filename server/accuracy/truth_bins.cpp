@@ -70,10 +70,11 @@ ReferenceView reference_view(const FramePlan& plan) {
   // About the antenna's own vertical.
   const ElevationTable& table = plan.looks_at().antenna_gain().elevation();
   view.two_way_gain = [pattern = ElevationGain(settings, plan.looks_at().antenna_gain().tilt_rad()),
-                       lean_x = table.lean_x, lean_z = table.lean_z](double sine, double bearing_rad) {
+                       rise = plan.looks_at().antenna_gain().rise(), lean_x = table.lean_x,
+                       lean_z = table.lean_z](double sine, double bearing_rad) {
     const double level = std::sqrt(std::max(0.0, 1 - sine * sine));
     const double own = sine + level * (lean_x * std::sin(bearing_rad) + lean_z * std::cos(bearing_rad));
-    const double gain = pattern.power_gain(std::asin(std::clamp(own, -1.0, 1.0)));
+    const double gain = pattern.power_gain(std::asin(std::clamp(rise * own, -1.0, 1.0)));
     return gain * gain;
   };
   return view;

@@ -94,7 +94,8 @@ std::string platform_page() {
          "`obliq fly --radar NAME` and `obliq pose --radar NAME`\nof the platform move all its radars at "
          "once. Its `[antenna]` has `tilt_deg` and `tilt_auto` alone; `[mount]` (or "
          "`[radar.mount]`)\nsays where it is fixed, in the platform's own axes, which roll, pitch and "
-         "heading turn. The antenna itself is stabilised.\n\n" +
+         "heading turn. The antenna itself is held level "
+         "unless `beam.stabilised` is false.\n\n" +
          std::string(kSceneHeader) + rows(KeyGroup::short_form, "mount.") + rows(KeyGroup::list, "platform.");
 }
 

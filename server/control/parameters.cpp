@@ -173,6 +173,10 @@ void check_beam(const RadarSettings& s, std::vector<FieldError>& errors) {
   if (!errors.empty()) return;
   check_file(s, errors);
   if (s.beam.pattern != BeamPattern::off && errors.empty()) check_width(s, errors);
+  if (!s.beam.stabilised && s.beam.pattern == BeamPattern::off)
+    errors.push_back(
+        {"beam.stabilised", "false with beam.pattern = \"off\"",
+         "true, or a beam: bins as sharp as their edges belong to a map, which no platform tilts"});
   if (s.beam.pattern == BeamPattern::taylor) check_taylor("beam", s.beam.sidelobe_db, s.beam.nbar, errors);
   if (s.pulse.kind == PulseKind::compressed && s.pulse.window == PulseWindow::taylor)
     check_taylor("pulse", s.pulse.sidelobe_db, s.pulse.nbar, errors);

@@ -5,18 +5,27 @@
 #include <numbers>
 
 #include "server/radar/narrow_bins.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
+AntennaAxes axes_of(const RadarSettings& settings, const PoseSettings& pose) {
+  if (settings.beam.stabilised) return {};
+  return {pose.roll_deg * kDegree_rad, pose.pitch_deg * kDegree_rad,
+          std::remainder(pose.bearing_deg - pose.heading_deg, 360.0) * kDegree_rad};
+}
+
 EchoPlace place_of(const Scene& scene, const RadarSettings& settings, const Pose& pose) {
   EchoPlace place;
+  place.axes = axes_of(settings, pose.settings);
   SectorExtent extent;
   if (std::isnan(pose.ground_y_m)) extent = measure_sector(scene, Sector(settings, pose));
   const double above_m = pose.antenna.m.y - ground_y_m(pose, extent);
   if (std::isnan(above_m)) return place;
   const TileBounds& ground = scene.tiles();
   place.height_m = std::max(pose.antenna.m.y - ground.lowest_m(), ground.highest_m() - pose.antenna.m.y);
+  place.above_ground_m = above_m;
   if (settings.frustum != FrustumKind::sweep) place.least_r_min_m = above_m;
   return place;
 }
@@ -41,7 +50,7 @@ std::optional<std::vector<FieldError>> known_beam_faults(const RadarSettings& se
   // An automatic tilt looks at the ground.
   if (!pose.tilt_auto) check_elevation(settings.beam, pose.tilt_deg, errors);
   if (!errors.empty() || !needs_echo_plan(settings)) return errors;
-  return layout_faults(settings);
+  return layout_faults(settings, axes_of(settings, pose));
 }
 
 std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
@@ -62,16 +71,17 @@ PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& sna
   if (needs_echo_plan(settings)) {
     std::optional<EchoPlan> sum = plan_echo(settings, place_of(*scene, settings, pose), errors);
     if (!sum) return {nullptr, std::move(errors)};
-    turned.bearing_world_rad +=
-        sum->turn_bins * sum->sharp.sector_deg * std::numbers::pi / 180 / sum->sharp.azimuth_bins;
+    if (!sum->ground)
+      turned.bearing_world_rad +=
+          sum->turn_bins * sum->sharp.sector_deg * std::numbers::pi / 180 / sum->sharp.azimuth_bins;
     frame->sum_ = std::make_shared<const EchoPlan>(*std::move(sum));
   }
   const EchoPlan* sum = frame->sum();
-  const RadarSettings& sharp = sum != nullptr ? sum->sharp : settings;
+  const RadarSettings& sharp = sum != nullptr ? sum->looks_at() : settings;
   frame->narrow_bins_ = narrow_bins(sharp);
   ScenePlanResult looks_at =
       plan_scene(std::move(scene), narrow_frame(sharp), turned, blurs(settings) || frame->narrow_bins_ > 1,
-                 sum != nullptr ? sum->widths.get() : nullptr);
+                 sum != nullptr ? sum->widths.get() : nullptr, axes_of(settings, pose.settings));
   if (!looks_at.plan) return {nullptr, std::move(looks_at.errors)};
   frame->looks_at_ = std::move(looks_at.plan);
   return {std::move(frame), {}};

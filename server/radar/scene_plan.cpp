@@ -54,7 +54,7 @@ double tilt_rad(const RadarSettings& settings, const Pose& pose, const SectorExt
 
 std::shared_ptr<const AntennaGain> antenna_gain(const RadarSettings& settings, const Pose& pose,
                                                 const SectorExtent& extent, const WorldFrame& frame,
-                                                const BeamWidths* widths) {
+                                                const BeamWidths* widths, const AntennaAxes& axes) {
   AntennaGain::View view;
   view.tilt_rad = tilt_rad(settings, pose, extent, frame);
   if (settings.beam.elevation != ElevationPattern::off || widths != nullptr) {
@@ -64,6 +64,13 @@ std::shared_ptr<const AntennaGain> antenna_gain(const RadarSettings& settings, c
         (frame.datum_y_m(at.x - kStep_m, at.z) - frame.datum_y_m(at.x + kStep_m, at.z)) / (2 * kStep_m);
     view.lean_z =
         (frame.datum_y_m(at.x, at.z - kStep_m) - frame.datum_y_m(at.x, at.z + kStep_m)) / (2 * kStep_m);
+    if (!axes.is_level()) {
+      view.rise = axes.up().z;
+      const Sector sector(settings, pose);
+      const glm::dvec3 up = sector.world_from_antenna(axes.up().y, 0, axes.up().x);
+      view.lean_x += up.x / view.rise;
+      view.lean_z += up.z / view.rise;
+    }
     // What stands higher or lower than all surface needs no place in the table.
     const double lean = std::hypot(view.lean_x, view.lean_z) + 1e-3;
     const double nearest_m = std::max(settings.r_min_m, 1.0);
@@ -112,7 +119,7 @@ void check_elevation(const BeamSettings& beam, double tilt_deg, std::vector<Fiel
 }
 
 ScenePlan::ScenePlan(std::shared_ptr<const Scene> scene, const RadarSettings& settings, const Pose& pose,
-                     bool is_coherent_sum, const BeamWidths* widths)
+                     bool is_coherent_sum, const BeamWidths* widths, const AntennaAxes& axes)
     : scene_(std::move(scene)),
       settings_(settings),
       pose_(pose),
@@ -125,7 +132,7 @@ ScenePlan::ScenePlan(std::shared_ptr<const Scene> scene, const RadarSettings& se
       buildings_(std::make_shared<const AzimuthBuildings>(*scene_, sector_, bins_, building_reach_m(),
                                                           settings.frustum != FrustumKind::sweep)),
       seen_(std::make_shared<SeenBuildings>(scene_->world().buildings.list.size())),
-      antenna_gain_(obliq::antenna_gain(settings, pose_, extent_, scene_->world().frame, widths)),
+      antenna_gain_(obliq::antenna_gain(settings, pose_, extent_, scene_->world().frame, widths, axes)),
       is_coherent_sum_(is_coherent_sum) {}
 
 std::shared_ptr<ScenePlan> ScenePlan::again(const PoseSettings& pose) const {
@@ -153,9 +160,10 @@ bool needs_tracer(const Scene& scene, FrustumKind frustum) {
 }
 
 ScenePlanResult plan_scene(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
-                           const Pose& pose, bool is_coherent_sum, const BeamWidths* widths) {
+                           const Pose& pose, bool is_coherent_sum, const BeamWidths* widths,
+                           const AntennaAxes& axes) {
   ScenePlanResult result;
-  auto plan = std::make_shared<ScenePlan>(std::move(scene), settings, pose, is_coherent_sum, widths);
+  auto plan = std::make_shared<ScenePlan>(std::move(scene), settings, pose, is_coherent_sum, widths, axes);
   check_frustum(*plan, result.errors);
   check_elevation(settings.beam, plan->antenna_gain().tilt_rad() * 180 / kPi, result.errors);
   if (!result.errors.empty()) return result;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "server/radar/beam/antenna_axes.h"
 #include "server/radar/beam/antenna_gain.h"
 #include "server/radar/bins.h"
 #include "server/radar/geometry/azimuth_buildings.h"
@@ -25,10 +26,11 @@ struct ScenePlanResult {
   std::vector<FieldError> errors;
 };
 /// Plans what is looked at with settings whose speckle is resolved and that sampling_faults() lets pass.
-/// widths: of the beam that its bins are the sharp ones of; null: of none. is_coherent_sum: ScenePlan's.
+/// widths: of the beam that its bins are the sharp ones of; null: of none. axes: of the antenna, about the
+/// sector's centre. is_coherent_sum: ScenePlan's.
 ScenePlanResult plan_scene(std::shared_ptr<const Scene> scene, const RadarSettings& settings,
-                           const Pose& pose, bool is_coherent_sum = false,
-                           const BeamWidths* widths = nullptr);
+                           const Pose& pose, bool is_coherent_sum = false, const BeamWidths* widths = nullptr,
+                           const AntennaAxes& axes = {});
 
 /// Bins of these settings' sector and swath.
 BinGrid bin_grid(const RadarSettings& settings);
@@ -82,7 +84,7 @@ class SeenBuildings {
 class ScenePlan {
  public:
   ScenePlan(std::shared_ptr<const Scene> scene, const RadarSettings& settings, const Pose& pose,
-            bool is_coherent_sum, const BeamWidths* widths);
+            bool is_coherent_sum, const BeamWidths* widths, const AntennaAxes& axes);
 
   /// The same for another frame, with another number and date of the same antenna, and no building seen yet.
   std::shared_ptr<ScenePlan> again(const PoseSettings& pose) const;
@@ -124,7 +126,7 @@ class ScenePlan {
 
  private:
   friend ScenePlanResult plan_scene(std::shared_ptr<const Scene>, const RadarSettings&, const Pose&, bool,
-                                    const BeamWidths*);
+                                    const BeamWidths*, const AntennaAxes&);
   ScenePlan(const ScenePlan&) = default;
 
   std::shared_ptr<const Scene> scene_;

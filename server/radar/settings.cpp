@@ -70,17 +70,20 @@ bool normalises_samples(const RadarSettings& settings) {
   return settings.range_normalisation && !has_receiver(settings);
 }
 
-bool same_antenna(PoseSettings a, const PoseSettings& b) {
+bool same_antenna(const RadarSettings& settings, PoseSettings a, const PoseSettings& b) {
   a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;
   a.valid_s = b.valid_s;
-  a.heading_deg = b.heading_deg;
   a.time_rate = b.time_rate;
   a.velocity_north_m_s = b.velocity_north_m_s;
   a.velocity_east_m_s = b.velocity_east_m_s;
   a.velocity_up_m_s = b.velocity_up_m_s;
-  a.roll_deg = b.roll_deg;
-  a.pitch_deg = b.pitch_deg;
+  if (settings.beam.stabilised ||
+      (a.roll_deg == 0 && a.pitch_deg == 0 && b.roll_deg == 0 && b.pitch_deg == 0)) {
+    a.heading_deg = b.heading_deg;
+    a.roll_deg = b.roll_deg;
+    a.pitch_deg = b.pitch_deg;
+  }
   return a == b;
 }
 

@@ -123,7 +123,7 @@ struct PoseSettings {
   double valid_s = 0;      ///< stale so long after its arrival; 0: never
   double tilt_deg = 0;     ///< elevation of the boresight, about the antenna's own vertical, up positive
   bool tilt_auto = false;  ///< instead: towards level ground in the middle of the swath
-  double heading_deg = 0;  ///< of the platform; the sector's centre is held against it, frames are not
+  double heading_deg = 0;  ///< of the platform; the sector's centre is held against it
   double time_rate = 1;    ///< seconds of the controller's clock in a second
   /// Of the antenna over the ground, along its own north, east and up. Empty: not given. has_velocity() is of
   /// all three; where one is given, those that are not are 0.
@@ -139,9 +139,9 @@ struct PoseSettings {
   bool operator==(const PoseSettings&) const = default;
 };
 
-/// The same place, height and bearing, whenever, however long it is valid and however its platform moves: the
-/// antenna is stabilised.
-bool same_antenna(PoseSettings a, const PoseSettings& b);
+/// The same place, height and bearing, and of an antenna that is not stabilised the same attitude: whenever,
+/// however long it is valid and however fast it moves.
+bool same_antenna(const RadarSettings& settings, PoseSettings a, const PoseSettings& b);
 
 /// A validated, published set of settings. Never changes; a change is a new snapshot with a new version.
 struct SettingsSnapshot {

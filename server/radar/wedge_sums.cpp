@@ -4,9 +4,12 @@
 #include <bit>
 #include <deque>
 #include <mutex>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "server/radar/beam/echo_rows.h"
+#include "server/radar/beam/turned_wedge.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/stage_clock.h"
@@ -65,21 +68,22 @@ class BeamSums : public WedgeSums {
       : plan_(plan),
         sum_(*plan.sum()),
         options_(options),
-        rows_(sum_, first, end),
+        rows_(sum_, wedges_between(first, end)),
         look_(wants_look(options, plan.settings())),
         look_key_(look_key(plan)),
         planes_{options.iq && !sum_.draws(), look_ && sum_.speckle != SpeckleKind::independent,
                 options.states, options.labels} {
     const int azimuth = first * kWedgeAzimuthBins;
     outputs_ = {azimuth, std::min(end * kWedgeAzimuthBins, sum_.n_azimuth) - azimuth};
+    if (sum_.ground) ground_.emplace(sum_.ground->rows, rows_.sharp_wedges());
     if (options.sharp) {
       options.sharp->fit(sum_);
       outputs_ = {0, sum_.n_azimuth};
     }
   }
 
-  int n_wedges() const override { return rows_.n_sharp(); }
-  int wedge(int k) const override { return rows_.sharp_wedge(k); }
+  int n_wedges() const override { return looks_at().n_sharp(); }
+  int wedge(int k) const override { return looks_at().sharp_wedge(k); }
   bool needs_iq() const override { return planes_.iq; }
 
   /// A beam that looks steeply down is wider on the ground, so that of the outer sharp wedges only what is
@@ -87,7 +91,8 @@ class BeamSums : public WedgeSums {
   /// beside the whole sector see less.
   Needed needed(int wedge) const override {
     const int first = wedge * kWedgeAzimuthBins - sum_.first_azimuth;
-    const bool own = first + kWedgeAzimuthBins > 0 && first < sum_.n_azimuth * sum_.azimuth_parts;
+    const bool own =
+        sum_.ground || (first + kWedgeAzimuthBins > 0 && first < sum_.n_azimuth * sum_.azimuth_parts);
     return {.far_m = needed_range_m(sum_, wedge, outputs_),
             .states = options_.states && (own || options_.sharp != nullptr),
             .returns = options_.labels && (own || options_.sharp != nullptr)};
@@ -97,7 +102,7 @@ class BeamSums : public WedgeSums {
   bool take_kept(int wedge) override {
     SharpWedgePtr kept = options_.sharp ? options_.sharp->find(wedge, planes_) : nullptr;
     if (kept == nullptr) return false;
-    rows_.take(wedge, std::move(kept));
+    take_sharp(wedge, std::move(kept));
     return true;
   }
 
@@ -106,7 +111,7 @@ class BeamSums : public WedgeSums {
     auto sharp =
         std::make_shared<const SharpWedge>(sum_, std::move(wedge.bins), wedge.stats, planes_, look_key_);
     if (options_.sharp) options_.sharp->keep(wedge.index, planes_, sharp);
-    rows_.take(wedge.index, std::move(sharp));
+    take_sharp(wedge.index, std::move(sharp));
   }
 
   bool next(std::unique_ptr<EchoSums>& buffers, Wedge& wedge) override {
@@ -128,12 +133,31 @@ class BeamSums : public WedgeSums {
   }
 
  private:
+  static std::vector<int> wedges_between(int first, int end) {
+    std::vector<int> wedges(static_cast<std::size_t>(end - first));
+    std::iota(wedges.begin(), wedges.end(), first);
+    return wedges;
+  }
+  const EchoRows& looks_at() const { return ground_ ? *ground_ : rows_; }
+
+  /// Of an antenna that is not stabilised: scan angles as soon as all that they see is there.
+  void take_sharp(int wedge, SharpWedgePtr sharp) {
+    if (!ground_) {
+      rows_.take(wedge, std::move(sharp));
+      return;
+    }
+    ground_->take(wedge, std::move(sharp));
+    for (EchoRows::Ready ready; ground_->next_ready(ready);)
+      rows_.take(ready.wedge, turned_wedge(sum_, ready, planes_, look_key_));
+  }
+
   const FramePlan& plan_;
   const EchoPlan& sum_;
   const RenderOptions& options_;
   EchoRows rows_;
-  AzimuthRange outputs_;  // that are made of the sharp wedges, now or in the next dwell
-  const bool look_;       // video of several looks is wanted
+  std::optional<EchoRows> ground_;  // that rows_ are made from, where the antenna rolls
+  AzimuthRange outputs_;            // that are made of the sharp wedges, now or in the next dwell
+  const bool look_;                 // video of several looks is wanted
   const std::uint64_t look_key_;
   const SharpPlanes planes_;  // that the sums need
 };

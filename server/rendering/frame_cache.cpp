@@ -47,7 +47,10 @@ class FrameCache::Place {
   bool is_over(std::uint64_t generation) const { return settings_.expired() || generation_ != generation; }
   bool is_of(const SettingsPtr& settings) const { return settings_.lock() == settings; }
   const PoseSettings& pose() const { return pose_; }
-  bool is_at(const PoseSettings& pose) const { return same_antenna(pose_, pose); }
+  bool is_at(const PoseSettings& pose) const {
+    const SettingsPtr settings = settings_.lock();
+    return settings != nullptr && same_antenna(settings->settings, pose_, pose);
+  }
 
   /// The frame kept, with another number and date; null when there is none.
   std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const {

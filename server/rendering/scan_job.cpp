@@ -166,7 +166,7 @@ std::vector<FieldError> ScanJob::begin_pass(const LiveView& view, const std::vec
 
   // Sharp wedges of the pass before are those of this one while nothing has moved.
   const std::uint64_t generation = context_.renderer.generation();
-  if (std::exchange(scan_->moved, false) || !same_antenna(view.pose, scan_->sharp_pose) ||
+  if (std::exchange(scan_->moved, false) || !same_antenna(settings, view.pose, scan_->sharp_pose) ||
       generation != scan_->generation)
     scan_->sharp.clear();
   scan_->sharp_pose = view.pose;
@@ -194,7 +194,10 @@ std::vector<FieldError> ScanJob::begin_pass(const LiveView& view, const std::vec
 
 std::vector<FieldError> ScanJob::plan_dwell(const LiveView& view) {
   Pass& pass = *scan_->pass;
-  if (same_antenna(view.pose, pass.planned_pose)) return {};
+  const RadarSettings& settings = scan_->settings->settings;
+  if (same_antenna(settings, view.pose, pass.planned_pose)) return {};
+  // An antenna that rolls sees in each sharp bin what it saw in another.
+  if (!settings.beam.stabilised) scan_->sharp.clear();
   auto plan = context_.renderer.plan_again(*pass.plan, scan_->settings, view.pose);
   if (!plan.frame) return plan.errors;
   pass.plan = std::move(plan.frame);

@@ -51,6 +51,10 @@ const std::array kParameters{
     row<&RadarSettings::beam, &BeamSettings::cosecant_to_deg>(
         "beam.cosecant_to_deg", "deg", closed(0.1, 90), "beam_cosecant_to_deg", {271, i32, 1e3},
         "Depression to which a cosecant-squared pattern reaches."),
+    row<&RadarSettings::beam, &BeamSettings::stabilised>(
+        "beam.stabilised", "", kAny, "beam_stabilised", {337, u16},
+        "Hold the antenna level whatever the platform does; false: its scan angles are the platform's own, and its "
+        "beam rolls and pitches with it."),
     row<&RadarSettings::pulse, &PulseSettings::kind>(
         "pulse.kind", "", kPulseKinds, "pulse_kind", {273, u16},
         "What a point becomes in range; off: it stays in its range bin.", {.not_ideal = true}),

@@ -57,12 +57,12 @@ const std::array kParameters{
         "bearing.",
         {.of_programs = true}),
     row<&PoseSettings::roll_deg>("antenna.roll_deg", "deg", closed(-60, 60), "roll_deg", {331, i32, 1e6},
-                                 "Roll of the platform, right side down positive; the antenna is stabilised "
-                                 "against it.",
+                                 "Roll of the platform, right side down positive; an antenna with "
+                                 "beam.stabilised = false rolls with it.",
                                  {.of_programs = true}),
     row<&PoseSettings::pitch_deg>("antenna.pitch_deg", "deg", closed(-60, 60), "pitch_deg", {333, i32, 1e6},
-                                  "Pitch of the platform, nose up positive; the antenna is stabilised "
-                                  "against it.",
+                                  "Pitch of the platform, nose up positive; an antenna with "
+                                  "beam.stabilised = false pitches with it.",
                                   {.of_programs = true}),
     row<&PoseSettings::velocity_north_m_s>(
         "antenna.velocity_north_m_s", "m/s", kSpeeds, "velocity_north_m_s", {325, i32, 1e3},

@@ -15,13 +15,14 @@ namespace obliq {
 class AntennaGain {
  public:
   /// Sines of elevation about the world's vertical; lean: from those to sines about the antenna's own
-  /// vertical (ElevationTable).
+  /// vertical (ElevationTable), which are `rise` times as large.
   struct View {
     double tilt_rad = 0;
     double least_sine = -1;
     double greatest_sine = 1;
     double lean_x = 0;
     double lean_z = 0;
+    double rise = 1;
   };
   /// widths: of the beam whose sharp frame it is; null: of none.
   AntennaGain(const RadarSettings& settings, const View& view, const BeamWidths* widths = nullptr);
@@ -29,6 +30,8 @@ class AntennaGain {
   AntennaGain& operator=(const AntennaGain&) = delete;
 
   double tilt_rad() const { return tilt_rad_; }
+  /// The sine about the antenna's own vertical is the table's times this.
+  double rise() const { return rise_; }
   /// Power gain on the boresight.
   double peak() const { return peak_; }
   bool has_pattern() const { return table_.gain != nullptr; }
@@ -41,9 +44,16 @@ class AntennaGain {
     if (!has_pattern()) return peak_;
     return peak_ * table_.at(sin_elevation + (table_.lean_x * dx_m + table_.lean_z * dz_m) / range_m);
   }
+  /// The sine that bins keep of a point that they hold: the table's where the antenna rolls with its
+  /// platform.
+  double kept_sine(double sin_elevation, double dx_m, double dz_m, double range_m) const {
+    if (rise_ == 1) return sin_elevation;
+    return sin_elevation + (table_.lean_x * dx_m + table_.lean_z * dz_m) / range_m;
+  }
 
  private:
   double tilt_rad_;
+  double rise_;
   double peak_;
   bool has_widths_;
   std::vector<float> gains_;

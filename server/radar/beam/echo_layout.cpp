@@ -12,6 +12,7 @@
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
+#include "terrain/base/asking.h"
 
 namespace obliq {
 namespace {
@@ -41,7 +42,9 @@ constexpr std::int64_t kSharpBytesABin = 20 + 5;
 /// BeamWidths: 400 steps come down to what a table of elevations can tell from straight below.
 constexpr std::int64_t kWidthsBytes = 512 * sizeof(double) + 128;
 /// An antenna so high sees all its ground steeply; one on the ground, none.
-constexpr EchoPlace kHigh{std::numeric_limits<double>::infinity(), 0};
+const EchoPlace kHigh{std::numeric_limits<double>::infinity(), 0, {}};
+/// Any that leans, as any height does, sees all azimuths at any scan angle from there.
+const AntennaAxes kLeaning(1, 0, 0);
 
 }  // namespace
 
@@ -50,6 +53,36 @@ namespace {
 double greatest_sine(const EchoPlace& place, double range_m) {
   if (!(place.height_m > 0)) return 0;
   return place.height_m < range_m ? place.height_m / range_m : 1;
+}
+
+/// About the antenna's own vertical.
+double greatest_own_sine(const EchoPlace& place, double range_m) {
+  const double sine = greatest_sine(place, range_m);
+  if (place.axes.is_level()) return sine;
+  const double own_rad = std::asin(sine) + place.axes.lean_rad();
+  return own_rad < kPi / 2 ? std::sin(own_rad) : 1;
+}
+
+/// How far beside a scan angle the ground may lie that an antenna which is not stabilised sees there, over
+/// the scan angles up to half_rad on either side of the sector's centre.
+double greatest_turn_rad(const EchoPlace& place, double range_m, double half_rad) {
+  constexpr int kAzimuths = 180;
+  constexpr int kElevations = 16;
+  const double sine = greatest_sine(place, range_m);
+  // Straight above and below its own axis an antenna sees every azimuth.
+  if (std::asin(sine) + place.axes.lean_rad() >= kPi / 2) return kPi;
+  double greatest = 0;
+  for (int a = -kAzimuths; a <= kAzimuths; ++a) {
+    ask(2 * kElevations * 100);
+    const double scan_rad = half_rad * a / kAzimuths;
+    const SinCos scan = sincos_turns(scan_rad / (2 * kPi));
+    for (int e = -kElevations; e <= kElevations; ++e) {
+      const double seen_rad = place.axes.azimuth_seen_rad(scan, sine * e / kElevations);
+      greatest = std::max(greatest, std::abs(std::remainder(seen_rad - scan_rad, 2 * kPi)));
+    }
+  }
+  // Between the samples.
+  return greatest * (1 + 1.0 / kElevations);
 }
 
 /// How far a beam reaches into a sharp frame's azimuths.
@@ -87,13 +120,38 @@ class Halo {
 }  // namespace
 
 int steepest_step(const EchoPlace& place, double range_m) {
-  return cosine_steps::nearest(greatest_sine(place, range_m));
+  return cosine_steps::nearest(greatest_own_sine(place, range_m));
 }
 
 double least_cosine(const EchoPlace& place, double range_m) {
-  const double sine = greatest_sine(place, range_m);
+  const double sine = greatest_own_sine(place, range_m);
   return std::sqrt(1 - sine * sine);
 }
+
+namespace {
+
+GroundLayout lay_out_ground(const EchoLayout& layout, const Halo& beam, const EchoPlace& place) {
+  GroundLayout ground;
+  const int circle = counted(beam.closes() ? std::round(beam.circle()) : std::floor(beam.circle()));
+  const double half_rad = std::min(kPi, layout.sharp_azimuths * layout.azimuth_rad / 2);
+  const double turn_rad = greatest_turn_rad(place, layout.r_min_m, half_rad);
+  // A bin on, into which the nearer part of a bin may fall.
+  ground.reach = std::min(counted(std::ceil(turn_rad / layout.azimuth_rad)) + 2, (circle - 1) / 2);
+  ground.azimuths = layout.sharp_azimuths + 2 * up_to_wedges(ground.reach);
+  if (ground.azimuths < circle) return ground;
+  ground.wraps = beam.closes();
+  if (ground.wraps) {
+    ground.azimuths = circle;
+  } else {
+    // Bins that do not meet behind the antenna leave out what it sees farther round.
+    const int beside = (circle - layout.sharp_azimuths) / 2;
+    ground.azimuths = layout.sharp_azimuths + 2 * beside;
+    ground.reach = std::min(ground.reach, beside);
+  }
+  return ground;
+}
+
+}  // namespace
 
 EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, const EchoPlace& place) {
   EchoLayout layout;
@@ -133,12 +191,14 @@ EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, c
   if (!layout.wraps) {
     layout.first_azimuth = halo;
     layout.sharp_azimuths = own + 2 * halo;
+    if (!place.axes.is_level()) layout.ground = lay_out_ground(layout, beam, place);
     return layout;
   }
   layout.closes = beam.closes();
   layout.sharp_azimuths = counted(layout.closes ? std::round(circle) : std::ceil(circle));
   layout.reach = std::min(layout.reach, (layout.sharp_azimuths - layout.azimuth_parts) / 2);
   layout.first_azimuth = (layout.sharp_azimuths - own) / 2;
+  if (!place.axes.is_level()) layout.ground = lay_out_ground(layout, beam, place);
   return layout;
 }
 
@@ -179,10 +239,26 @@ RadarSettings sharp_frame(const RadarSettings& s, const EchoLayout& layout) {
   return sharp;
 }
 
+RadarSettings ground_frame(const RadarSettings& s, const EchoLayout& layout) {
+  RadarSettings ground = sharp_frame(s, layout);
+  if (layout.ground.azimuths == 0) return ground;
+  const auto wider = [&](int sharp) {
+    return counted(
+        std::ceil(static_cast<double>(sharp) / ground.azimuth_bins * layout.ground.azimuths * (1 - 1e-12)));
+  };
+  ground.pixel_columns = wider(ground.pixel_columns);
+  ground.azimuth_bins = layout.ground.azimuths;
+  ground.sector_deg = std::min(360.0, layout.azimuth_rad * 180 / kPi * layout.ground.azimuths);
+  if (layout.ground.wraps) ground.sector_deg = 360;
+  return ground;
+}
+
 EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_materials) {
-  const EchoLayout layout = lay_out_echo(s, AzimuthPattern(s), kHigh);
+  const bool rolls = !s.beam.stabilised;
+  const EchoPlace place{kHigh.height_m, kHigh.least_r_min_m, rolls ? kLeaning : AntennaAxes()};
+  const EchoLayout layout = lay_out_echo(s, AzimuthPattern(s), place);
   EchoSize size;
-  size.sharp = sharp_frame(s, layout);
+  size.sharp = ground_frame(s, layout);
   size.n_taps = layout.n_taps();
   size.n_kernels = layout.n_kernels;
   size.n_tiles = layout.n_tiles();
@@ -213,6 +289,13 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   const std::int64_t row_bytes = layout.stride() * (kSharpBytesABin + of_labels) + size.n_tiles;
   size.rows_bytes = rows * row_bytes + wedge_count(s.azimuth_bins) * list;
   size.sharp_bytes = layout.sharp_azimuths * row_bytes;
+  if (rolls) {
+    // All azimuths of the ground, with where they are seen, for all scan angles.
+    size.sharp_bytes = layout.ground.azimuths * (row_bytes + 2 * kFloat * layout.stride());
+    size.rows_bytes +=
+        size.sharp_bytes + wedge_count(layout.sharp_azimuths) *
+                               (list + grown_bytes(layout.ground.azimuths / kWedge + 2, sizeof(int)));
+  }
   return size;
 }
 
@@ -234,12 +317,13 @@ std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout&
   return std::nullopt;
 }
 
-std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& s) {
+std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& s, const AntennaAxes& axes) {
   const AzimuthPattern pattern(s);
   // The higher the antenna, the larger the sharp frame.
-  if (!layout_fault(s, lay_out_echo(s, pattern, kHigh))) return std::vector<FieldError>{};
+  if (!layout_fault(s, lay_out_echo(s, pattern, {kHigh.height_m, kHigh.least_r_min_m, axes})))
+    return std::vector<FieldError>{};
   // On the ground, without bins nearer than its own.
-  if (const auto fault = layout_fault(s, lay_out_echo(s, pattern, {0, s.r_min_m})))
+  if (const auto fault = layout_fault(s, lay_out_echo(s, pattern, {0, s.r_min_m, axes})))
     return std::vector<FieldError>{*fault};
   return std::nullopt;
 }

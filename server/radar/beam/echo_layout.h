@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/radar/beam/antenna_axes.h"
 #include "server/radar/beam/patterns.h"
 #include "server/radar/bins.h"
 #include "server/radar/settings.h"
@@ -15,8 +16,18 @@ namespace obliq {
 
 /// What a plan needs to know of the place.
 struct EchoPlace {
-  double height_m = 0;       ///< how far the lowest ground lies below the antenna, or the highest above it
-  double least_r_min_m = 0;  ///< what the frustum allows
+  double height_m = 0;        ///< how far the lowest ground lies below the antenna, or the highest above it
+  double least_r_min_m = 0;   ///< what the frustum allows
+  AntennaAxes axes = {};      ///< about the sector's centre
+  double above_ground_m = 0;  ///< of the antenna; of use where it leans
+};
+
+/// The azimuths of ground that an antenna which is not stabilised looks at: its sharp azimuths are scan
+/// angles, and what each sees at some elevation lies up to `reach` bins beside it.
+struct GroundLayout {
+  int reach = 0;
+  int azimuths = 0;  ///< in the middle of them the sector's centre
+  bool wraps = false;
 };
 
 /// Sharp bins around those of the output, in whole wedges and bins.
@@ -40,6 +51,7 @@ struct EchoLayout {
   int sharp_azimuths = 0;
   int sharp_ranges = 0;
   int first_azimuth = 0;  ///< sharp azimuth at the left edge of output bin 0
+  GroundLayout ground;    ///< azimuths 0: that of the sharp bins
 
   int n_taps() const { return 2 * reach + azimuth_parts; }
   /// A set of azimuth weights with zeros on either side, for neighbouring outputs.
@@ -56,6 +68,8 @@ EchoLayout lay_out_echo(const RadarSettings& settings, const AzimuthPattern& pat
 
 /// The settings of the sharp frame.
 RadarSettings sharp_frame(const RadarSettings& settings, const EchoLayout& layout);
+/// Of what is looked at for it: the sharp frame, or the ground's azimuths.
+RadarSettings ground_frame(const RadarSettings& settings, const EchoLayout& layout);
 
 /// The cosine step of the steepest ground that there may be at a range from the antenna and beyond.
 int steepest_step(const EchoPlace& place, double range_m);
@@ -82,6 +96,7 @@ EchoSize echo_size(const RadarSettings& settings, std::int64_t threads, int labe
 std::optional<FieldError> layout_fault(const RadarSettings& settings, const EchoLayout& layout);
 
 /// The same as far as the settings say so themselves; nothing: the antenna's height above the ground decides.
-std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& settings);
+std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& settings,
+                                                     const AntennaAxes& axes = {});
 
 }  // namespace obliq

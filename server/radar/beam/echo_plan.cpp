@@ -41,6 +41,7 @@ struct Planner {
     plan.sharp = sharp_frame(s, layout);
     plan.n_azimuth = s.azimuth_bins;
     plan.n_range = s.range_bins;
+    plan.n_rows = layout.sharp_azimuths;
     plan.azimuth_parts = layout.azimuth_parts;
     plan.range_parts = layout.range_parts;
     plan.first_azimuth = layout.first_azimuth;
@@ -57,6 +58,26 @@ struct Planner {
     plan.wavelength_m = wavelength_at(s.frequency_ghz);
     const double gain = std::pow(10, s.gain_db / 10);
     plan.power_scale = s.power_w * gain * gain;
+    if (layout.ground.azimuths > 0) plan_ground();
+  }
+
+  void plan_ground() {
+    GroundAzimuths& ground = plan.ground.emplace();
+    ground.axes = place.axes;
+    ground.frame = ground_frame(s, layout);
+    ground.azimuth_rad = width_rad;
+    ground.above_ground_m = place.above_ground_m;
+    const int n = layout.ground.azimuths;
+    ground.start_rad = -n * width_rad / 2;
+    const double left = -s.azimuth_bins * plan.azimuth_parts / 2.0 - plan.first_azimuth;
+    ground.scan_start_rad = left * width_rad;
+    ground.rows = {layout.sharp_azimuths,
+                   n,
+                   1,
+                   static_cast<int>(std::floor(left + n / 2.0)),
+                   -layout.ground.reach,
+                   2 * layout.ground.reach + 1,
+                   layout.ground.wraps};
   }
 
   void weigh_ranges() {
@@ -150,6 +171,7 @@ std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace
 
 double needed_range_m(const EchoPlan& plan, int sharp_wedge, AzimuthRange outputs) {
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  if (plan.ground) return kEverywhere;
   const int first = sharp_wedge * kWedgeAzimuthBins;
   const int from = plan.first_row(outputs.first);
   const int to = plan.first_row(outputs.first + outputs.count - 1) + plan.n_taps;

@@ -25,29 +25,51 @@ struct AzimuthKernels {
   std::vector<int> unused;     ///< [sets] taps on either side that are 0
 };
 
+/// Which rows neighbouring azimuths are made from: each of n_taps rows, azimuth_parts on from the one before.
+struct RowWindow {
+  int n_azimuth = 0;      ///< that are made
+  int n_rows = 0;         ///< that there are
+  int azimuth_parts = 1;  ///< rows from an azimuth to the next
+  int first_azimuth = 0;  ///< row at the left edge of azimuth 0
+  int first_tap = 0;      ///< from there
+  int n_taps = 1;
+  bool wraps = false;  ///< the rows go all the way round
+
+  /// Row of tap 0 of an azimuth; counted on beyond the edges where the rows wrap.
+  int first_row(int azimuth) const { return first_azimuth + azimuth * azimuth_parts + first_tap; }
+  int rows_of(int n_azimuths) const { return (n_azimuths - 1) * azimuth_parts + n_taps; }
+  /// The rows' own number.
+  int sharp_azimuth(int row) const { return wraps ? ((row % n_rows) + n_rows) % n_rows : row; }
+};
+
+/// The ground that an antenna which is not stabilised looks at: the sharp bins of its scan angles are made
+/// from sharp bins of the ground's own azimuths (TurnedRows).
+struct GroundAzimuths {
+  AntennaAxes axes;
+  RadarSettings frame;  ///< of what is looked at
+  RowWindow rows;       ///< of it, that scan angles may see
+  double azimuth_rad = 0;
+  double scan_start_rad = 0;  ///< left edge of the first sharp bin of scan angles, from the sector's centre
+  double start_rad = 0;       ///< the same of the ground's
+  double above_ground_m = 0;  ///< of the antenna
+};
+
 /// The plan of a blurred frame. Immutable once made.
-struct EchoPlan {
-  RadarSettings sharp;  ///< of the inner frame
-  int n_azimuth = 0;    ///< output bins
+struct EchoPlan : RowWindow {
+  RadarSettings sharp;                   ///< of the inner frame, whose azimuths are the rows
+  std::optional<GroundAzimuths> ground;  ///< of an antenna that rolls or pitches
   int n_range = 0;
-  int azimuth_parts = 1;  ///< sharp bins an output bin, each way
-  int range_parts = 1;
-  /// Sharp azimuth bin at the left edge of output bin 0; the sharp frame's bearing is turned clockwise by
-  /// this many of its bins to make it whole.
-  int first_azimuth = 0;
+  int range_parts = 1;  ///< sharp bins an output bin
+  /// The sharp frame's bearing is turned clockwise by this many of its bins to make first_azimuth whole.
   double turn_bins = 0;
-  bool wraps = false;   ///< the sharp frame goes all the way round
   int first_range = 0;  ///< sharp range bin at the near edge of output bin 0
   SpeckleKind speckle = SpeckleKind::ground;
   bool range_normalisation = false;  ///< to be done with the bins
   double power_scale = 1;            ///< from sharp powers, of 1 W and 0 dBi, to the radar's
 
   /// A sharp row has the azimuth weights of what it sees in a tile of kTile sharp range bins
-  /// (SharpWedge::kernels), as far as there may be ground so steep. The first is of sharp azimuth
-  /// first_azimuth + first_tap.
+  /// (SharpWedge::kernels), as far as there may be ground so steep.
   static constexpr int kTile = EchoLayout::kTile;
-  int first_tap = 0;
-  int n_taps = 1;
   AzimuthKernels kernels;
   std::vector<std::uint8_t> steepest;  ///< [tiles] the last set that a tile's rows may have
   /// Of the beam on the ground, for the sharp frame's AntennaGain; null without a beam.
@@ -61,15 +83,8 @@ struct EchoPlan {
   double wavelength_m = 0;
 
   bool draws() const { return speckle == SpeckleKind::none || speckle == SpeckleKind::independent; }
-  /// Sharp azimuth of tap 0 of an output bin; counted on beyond the edges where the frame wraps.
-  int first_row(int output) const { return first_azimuth + output * azimuth_parts + first_tap; }
-  /// Rows of sharp azimuths that neighbouring output bins are made from.
-  int rows_of(int n_outputs) const { return (n_outputs - 1) * azimuth_parts + n_taps; }
-  /// The sharp frame's own azimuth.
-  int sharp_azimuth(int row) const {
-    const int all = sharp.azimuth_bins;
-    return wraps ? ((row % all) + all) % all : row;
-  }
+  /// Settings of what is looked at.
+  const RadarSettings& looks_at() const { return ground ? ground->frame : sharp; }
 };
 
 /// Whether the bins of these settings are made from sharp ones.

@@ -8,7 +8,7 @@
 namespace obliq {
 
 void SharpStore::fit(const EchoPlan& plan) {
-  const std::array<int, 4> layout{plan.first_azimuth, plan.first_range, plan.sharp.azimuth_bins,
+  const std::array<int, 4> layout{plan.first_azimuth, plan.first_range, plan.looks_at().azimuth_bins,
                                   plan.sharp.range_bins};
   {
     const std::lock_guard lock(mutex_);
@@ -51,21 +51,21 @@ std::size_t SharpStore::bytes() const {
   return bytes_;
 }
 
-EchoRows::EchoRows(const EchoPlan& plan, int first, int end)
-    : plan_(plan),
-      first_(first),
-      n_wedges_(wedge_count(plan.sharp.azimuth_bins)),
+EchoRows::EchoRows(const RowWindow& window, std::vector<int> outputs)
+    : window_(window),
+      wedges_(std::move(outputs)),
+      n_wedges_(wedge_count(window.n_rows)),
       there_(static_cast<std::size_t>(n_wedges_)),
       users_(there_.size(), 0) {
-  for (int wedge = first; wedge < end; ++wedge) {
-    const int rows = plan.rows_of(azimuths_of(wedge).count);
-    const int first_sharp = plan.sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins)) / kWedgeAzimuthBins;
+  for (const int wedge : wedges_) {
+    const int rows = window.rows_of(azimuths_of(wedge).count);
+    const int first_sharp =
+        window.sharp_azimuth(window.first_row(wedge * kWedgeAzimuthBins)) / kWedgeAzimuthBins;
     Output output{first_sharp, 0, 0};
     // The rows of a full circle may come back to the wedge that they begin in.
     for (int row = 0; row < rows && output.count < n_wedges_; ++output.count) {
-      const int azimuth = plan.sharp_azimuth(plan.first_row(wedge * kWedgeAzimuthBins) + row);
-      const int next =
-          std::min((azimuth / kWedgeAzimuthBins + 1) * kWedgeAzimuthBins, plan.sharp.azimuth_bins);
+      const int azimuth = window.sharp_azimuth(window.first_row(wedge * kWedgeAzimuthBins) + row);
+      const int next = std::min((azimuth / kWedgeAzimuthBins + 1) * kWedgeAzimuthBins, window.n_rows);
       row += next - azimuth;
       if (users_[static_cast<std::size_t>(azimuth / kWedgeAzimuthBins)]++ == 0)
         order_.push_back(azimuth / kWedgeAzimuthBins);
@@ -78,7 +78,7 @@ EchoRows::EchoRows(const EchoPlan& plan, int first, int end)
 
 AzimuthRange EchoRows::azimuths_of(int wedge) const {
   const int first = wedge * kWedgeAzimuthBins;
-  return {first, std::min(kWedgeAzimuthBins, plan_.n_azimuth - first)};
+  return {first, std::min(kWedgeAzimuthBins, window_.n_azimuth - first)};
 }
 
 /// Which of an output's sharp wedges a wedge is; not below its count: none.
@@ -88,8 +88,9 @@ int EchoRows::place_in(const Output& output, int sharp) const {
 
 /// The output wedge that counts a sharp wedge's rays and samples: the one with its ground, or the nearest.
 int EchoRows::owner_of(int sharp) const {
-  const int middle = sharp * kWedgeAzimuthBins + kWedgeAzimuthBins / 2 - plan_.first_azimuth;
-  return std::clamp(middle / (kWedgeAzimuthBins * plan_.azimuth_parts), 0, wedge_count(plan_.n_azimuth) - 1);
+  const int middle = sharp * kWedgeAzimuthBins + kWedgeAzimuthBins / 2 - window_.first_azimuth;
+  return std::clamp(middle / (kWedgeAzimuthBins * window_.azimuth_parts), 0,
+                    wedge_count(window_.n_azimuth) - 1);
 }
 
 void EchoRows::take(int sharp, SharpWedgePtr wedge) {
@@ -106,8 +107,9 @@ bool EchoRows::next_ready(Ready& ready) {
   {
     const std::lock_guard lock(mutex_);
     if (ready_.empty()) return false;
-    ready.wedge = first_ + ready_.front();
-    output = &outputs_[static_cast<std::size_t>(ready_.front())];
+    const auto place = static_cast<std::size_t>(ready_.front());
+    ready.wedge = wedges_[place];
+    output = &outputs_[place];
     ready_.pop_front();
     for (int k = 0; k < output->count; ++k) {
       const auto sharp = static_cast<std::size_t>((output->first + k) % n_wedges_);
@@ -116,11 +118,11 @@ bool EchoRows::next_ready(Ready& ready) {
     }
   }
   ready.azimuths = azimuths_of(ready.wedge);
-  const int first_row = plan_.first_row(ready.azimuths.first);
-  const int rows = plan_.rows_of(ready.azimuths.count);
+  const int first_row = window_.first_row(ready.azimuths.first);
+  const int rows = window_.rows_of(ready.azimuths.count);
   ask(2 * std::int64_t{rows});
   for (int k = 0; k < rows; ++k) {
-    const int sharp = plan_.sharp_azimuth(first_row + k) / kWedgeAzimuthBins;
+    const int sharp = window_.sharp_azimuth(first_row + k) / kWedgeAzimuthBins;
     ready.rows.push_back(ready.owners[static_cast<std::size_t>(place_in(*output, sharp))].get());
   }
   // Sums of statistics have one order.

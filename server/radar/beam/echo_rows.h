@@ -37,16 +37,16 @@ class SharpStore {
   std::array<int, 4> layout_{};  // of the sharp bins
 };
 
-/// The sharp wedges that the output wedges [first, end) of one rendering are made from, in the order in which
-/// they are wanted, and those that are there. An output wedge is ready when all of its own are. From any
-/// thread.
+/// The sharp wedges that some output wedges of one rendering are made from, in the order in which they are
+/// wanted, and those that are there. An output wedge is ready when all of its own are. From any thread.
 class EchoRows {
  public:
-  EchoRows(const EchoPlan& plan, int first, int end);
+  EchoRows(const RowWindow& window, std::vector<int> outputs);
 
   /// Sharp wedges to render, in order.
   int n_sharp() const { return static_cast<int>(order_.size()); }
   int sharp_wedge(int k) const { return order_[static_cast<std::size_t>(k)]; }
+  const std::vector<int>& sharp_wedges() const { return order_; }
 
   void take(int sharp_wedge, SharpWedgePtr wedge);
 
@@ -72,15 +72,15 @@ class EchoRows {
   int place_in(const Output& output, int sharp_wedge) const;
   int owner_of(int sharp_wedge) const;
 
-  const EchoPlan& plan_;
-  const int first_;
-  const int n_wedges_;  // sharp ones
+  const RowWindow window_;
+  const std::vector<int> wedges_;  // of the outputs
+  const int n_wedges_;             // sharp ones
   std::vector<int> order_;
   std::mutex mutex_;  // guards what follows
   std::vector<Output> outputs_;
   std::vector<SharpWedgePtr> there_;
   std::vector<int> users_;  // [n_wedges] outputs that still need a sharp wedge
-  std::deque<int> ready_;   // outputs, counted from first_
+  std::deque<int> ready_;   // places in outputs_
 };
 
 }  // namespace obliq

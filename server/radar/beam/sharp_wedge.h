@@ -21,7 +21,8 @@ struct SharpPlanes {
 };
 
 /// A wedge of the sharp frame as the sums over it read it: rows of floats, of 1 W and 0 dBi, with zeros
-/// behind them up to whole tiles. Immutable once made.
+/// behind them up to whole tiles. Immutable once made. Of an antenna that is not stabilised there are two
+/// kinds: of the ground's azimuths, and, made from those, of scan angles (turned_wedge.h).
 struct SharpWedge {
   int first_azimuth = 0;
   int n_azimuth = 0;
@@ -37,30 +38,40 @@ struct SharpWedge {
   std::vector<std::uint8_t> state;
   std::vector<LabelShare> label_powers;  ///< rows as `power` has them: shares of it. Empty: not wanted
   std::vector<std::uint8_t> returns;     ///< of labels, as count
+  /// Rows as `power` has them, of the ground's azimuths alone: the sharp bin of scan angles at whose middle
+  /// the antenna sees what is there, a fraction, and the sine of elevation about the antenna's own vertical.
+  std::vector<float> seen_at, own_sine;
   FrameStats stats;
 
   /// look_key: what the look's draws follow from.
   SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& of_bins, const SharpPlanes& planes,
              std::uint64_t look_key = 0);
+  /// Of scan angles, dark.
+  SharpWedge(const EchoPlan& plan, AzimuthRange azimuths, const SharpPlanes& planes);
 
-  const float* power_row(int azimuth) const { return power.data() + row(azimuth); }
-  const float* iq_row(int azimuth) const { return iq.data() + 2 * row(azimuth); }
+  const float* power_row(int azimuth) const { return power.data() + row_at(azimuth); }
+  const float* iq_row(int azimuth) const { return iq.data() + 2 * row_at(azimuth); }
   const std::uint8_t* kernels_of(int azimuth) const {
-    return kernels.data() + row(azimuth) / EchoPlan::kTile;
+    return kernels.data() + row_at(azimuth) / EchoPlan::kTile;
   }
-  const float* look_row(int azimuth) const { return look.data() + 2 * row(azimuth); }
+  const float* look_row(int azimuth) const { return look.data() + 2 * row_at(azimuth); }
   /// Null: all 0.
   const float* label_row(int azimuth, int kind) const {
     const auto at = std::ranges::find(label_powers, kind, &LabelShare::kind);
-    return at == label_powers.end() ? nullptr : at->share.data() + row(azimuth);
+    return at == label_powers.end() ? nullptr : at->share.data() + row_at(azimuth);
   }
+  /// The same to be written; made where there is none.
+  std::vector<float>& label_row_of(int kind);
+  /// Of power, a row's first bin.
+  std::size_t row_at(int azimuth) const { return static_cast<std::size_t>(azimuth - first_azimuth) * stride; }
+  /// Of `power`, so far as that goes.
+  void draw_look(const EchoPlan& plan, std::uint64_t key);
   std::size_t bytes() const;
 
  private:
   void choose_kernels(const BinBlock& bins);
   void take_labels(BinBlock& bins);
-  void draw_look(const EchoPlan& plan, std::uint64_t key);
-  std::size_t row(int azimuth) const { return static_cast<std::size_t>(azimuth - first_azimuth) * stride; }
+  void see(const GroundAzimuths& ground, const BinBlock& bins);
 };
 using SharpWedgePtr = std::shared_ptr<const SharpWedge>;
 

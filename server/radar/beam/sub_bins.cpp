@@ -11,6 +11,9 @@ namespace obliq {
 namespace {
 
 constexpr double kBinsABeamwidth = 2;
+/// Of an antenna that is not stabilised an echo is shared by two neighbouring bins: with so many of them that
+/// takes 0.2 % from the voltages' power in the mean, and moves nothing.
+constexpr double kSharedBinsABeamwidth = 16;
 
 /// A whole number of parts is not one more for a last bit.
 int parts(double bins) { return static_cast<int>(std::clamp(std::ceil(bins * (1 - 1e-9)), 1.0, 1e6)); }
@@ -25,7 +28,9 @@ double narrowest_beam_rad(const RadarSettings& s) {
 int azimuth_sub_bins(const RadarSettings& s) {
   if (s.beam.pattern == BeamPattern::off) return 1;
   const double width_rad = s.azimuth_bin_rad();
-  return parts(kBinsABeamwidth * width_rad / narrowest_beam_rad(s));
+  const int needed = parts(kBinsABeamwidth * width_rad / narrowest_beam_rad(s));
+  if (s.beam.stabilised || needed > kMostSubBins) return needed;
+  return std::min(kMostSubBins, parts(kSharedBinsABeamwidth * width_rad / narrowest_beam_rad(s)));
 }
 
 int range_sub_bins(const RadarSettings& s) {

@@ -88,7 +88,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
         radar_equation(range_constant_, antenna.power_gain(sine, dx, dz, r), sigma, placed_.spreading[k]);
     const int azimuth = samples.azimuth_bin[k] - range_.first;
     const std::size_t bin = BinSums::index(azimuth, range_bin);
-    bins_.add(bin, power, power * sine);
+    bins_.add(bin, power, power * antenna.kept_sine(sine, dx, dz, r));
     if (bins_.labels().wanted())
       bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
                          datum_.height_w(dx, dz, power * (at_m.y + r * samples.sin_elevation[k]), power));

@@ -166,7 +166,8 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.material[k] = echo.material;
   faces_.power_w[k] = power_w;
   faces_.sec2[k] = echo.sec2_incidence;
-  face_sine_[k] = sine;
+  const glm::dvec3 offset = echo.at_m - plan_.sector().antenna_m;
+  face_sine_[k] = plan_.antenna_gain().kept_sine(sine, offset.x, offset.z, echo.range_m);
   if (wants_labels())
     face_height_m_[k] =
         datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
