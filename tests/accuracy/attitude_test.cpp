@@ -3,9 +3,12 @@
 // vector three times, which shares nothing with AntennaAxes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <ostream>
 
 #include "server/accuracy/truth_bins.h"
@@ -253,6 +256,63 @@ INSTANTIATE_TEST_SUITE_P(
     RealGround, OverMountains,
     testing::Values(Mountains{"Lost River Range", "windninja_usfs/mackay.tif", -113.60, 43.80, 5000},
                     Mountains{"Rocky Mountain Park", "small/rmnp-dem.tif", -105.70, 40.19, 6000}));
+
+// The steepest attitudes, straight below, round the whole circle, among houses, by every frustum: all finite,
+// and the same bits from any number of threads.
+TEST(Attitude, HardCasesAreFiniteAndTheSameFromAnyNumberOfThreads) {
+  WorldSpec spec = test::synthetic_spec(SyntheticKind::hills, 12'000, 50);
+  spec.terrain.shape.height_m = 600;
+  const auto scene = test::make_scene(load_world(spec));
+  for (const double sector_deg : {120.0, 360.0}) {
+    for (const FrustumKind kind : {FrustumKind::sweep, FrustumKind::oblique, FrustumKind::symmetric}) {
+      if (kind == FrustumKind::symmetric && sector_deg > 180) continue;
+      for (const Attitude& at : {Attitude{60, 60, 45}, {-60, 60, 180}, {1e-300, 0, 0}, {0, -60, -90}}) {
+        RadarSettings s = test::radar_settings(kind, {2000, 10000, sector_deg}, {120, 70}, {360, 140});
+        if (kind == FrustumKind::sweep) s.r_min_m = 0;
+        s.beam.pattern = BeamPattern::taylor;
+        s.beam.width_deg = 8;
+        s.beam.elevation = ElevationPattern::gaussian;
+        s.beam.elevation_width_deg = 20;
+        s.beam.stabilised = false;
+        const Pose pose = turned(test::pose_over_origin(scene->world(), 1500, 40), at, -20);
+        std::optional<Frame> one;
+        for (const int threads : {1, 2, 8}) {
+          RenderOptions options;
+          options.threads = threads;
+          options.labels = true;
+          Frame frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}, options);
+          EXPECT_TRUE(std::ranges::all_of(frame.bins.power_w, [](double w) { return w >= 0 && w < 1; }));
+          EXPECT_TRUE(std::ranges::all_of(frame.bins.iq,
+                                          [](std::complex<float> v) { return std::isfinite(std::abs(v)); }));
+          EXPECT_TRUE(std::ranges::all_of(frame.bins.state, [](std::uint8_t state) { return state < 5; }));
+          if (one) test::expect_same_bits(one->bins, frame.bins);
+          if (!one) one = std::move(frame);
+        }
+      }
+    }
+  }
+}
+
+// I&Q have the power that the power plane says: an echo that two scan angles share loses next to none.
+TEST(Attitude, VoltagesHaveTheMeanPower) {
+  RadarSettings s = radar(3000, 9000);
+  const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::hills, 24000, 100)));
+  const Pose pose = turned(test::pose_over_origin(scene->world(), 2500), {20, -10, 0}, -15);
+  double sum = 0;
+  std::size_t bins = 0;
+  for (int seed = 1; seed <= 12; ++seed) {
+    s.speckle_seed = seed;
+    const Frame frame = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins});
+    for (std::size_t bin = 0; bin < frame.bins.power_w.size(); ++bin)
+      if (frame.bins.power_w[bin] > 0) {
+        sum += std::norm(std::complex<double>(frame.bins.iq[bin])) / frame.bins.power_w[bin];
+        ++bins;
+      }
+  }
+  // Neighbouring rows share their speckle: some 12 rows a beamwidth count as one.
+  std::printf("    mean |V|^2 / P %.4f of %zu bins\n", sum / static_cast<double>(bins), bins);
+  EXPECT_NEAR(sum / static_cast<double>(bins), 1, 0.01);
+}
 
 TEST(Attitude, StabilisedMovesNoBit) {
   RadarSettings s = radar(3000, 9000);

@@ -158,7 +158,7 @@ TEST(Attitude, GoesEvenlyFromPoseToPose) {
   b.pitch_deg = 4;
   EXPECT_EQ(between(a, b, 0.5).roll_deg, 5);
   EXPECT_EQ(between(a, b, 0.25).pitch_deg, 1);
-  EXPECT_TRUE(same_antenna(a,
+  EXPECT_TRUE(same_antenna(RadarSettings(), a,
                            [&] {
                              PoseSettings moved = with_velocity(a, 1, 2, 3);
                              moved.roll_deg = 50;

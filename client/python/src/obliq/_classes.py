@@ -361,14 +361,15 @@ class Control:
         request = requests.pose_request(self.name, pose, fields, new_time_line)
         return requests.Accepted.of(self._server._run(self._server._session.act(request)))
 
-    def send_pose(self, pose: requests.PoseLike = None, *, on_refused: Callable[[ObliqError], object] | None = None,
-                  **fields: Unpack[PoseFields]) -> None:
+    def send_pose(self, pose: requests.PoseLike = None, *, new_time_line: bool = False,
+                  on_refused: Callable[[ObliqError], object] | None = None, **fields: Unpack[PoseFields]) -> None:
         """As set_pose, without waiting for the answer: for a host that moves the antenna in a loop of its own. A refusal goes
         to on_refused, in whichever later call it arrives; without one the next send_pose raises it."""
         if self._refused is not None:
             refused, self._refused = self._refused, None
             raise refused
-        self._server._connection.tell(requests.pose_request(self.name, pose, fields), on_refused or self._keep)
+        self._server._connection.tell(requests.pose_request(self.name, pose, fields, new_time_line),
+                                      on_refused or self._keep)
 
     def _keep(self, refusal: ObliqError) -> None:
         self._refused = refusal

@@ -35,6 +35,7 @@ class SettingsFields(TypedDict, total=False):
     beam_elevation: Literal["off", "gaussian", "cosecant", "file"] | None
     beam_elevation_width_deg: float | None
     beam_cosecant_to_deg: float | None
+    beam_stabilised: bool | None
     pulse_kind: Literal["off", "rectangular", "compressed"] | None
     pulse_length_us: float | None
     pulse_bandwidth_mhz: float | None

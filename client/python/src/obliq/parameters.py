@@ -60,6 +60,8 @@ class Settings(Fields):
         Allowed: "off" | "gaussian" | "cosecant" | "file".
     beam_elevation_width_deg: One-way half-power beamwidth in elevation. Allowed: number 0.05 to 90 deg.
     beam_cosecant_to_deg: Depression to which a cosecant-squared pattern reaches. Allowed: number 0.1 to 90 deg.
+    beam_stabilised: Hold the antenna level whatever the platform does; false: its scan angles are the platform's own, and
+        its beam rolls and pitches with it. Allowed: true | false.
     pulse_kind: What a point becomes in range; off: it stays in its range bin. Allowed: "off" | "rectangular" |
         "compressed".
     pulse_length_us: Length of the pulse; a rectangular one resolves c/2 times it. Allowed: number 0.001 to 10000 us.
@@ -127,6 +129,7 @@ class Settings(Fields):
     beam_elevation: Literal["off", "gaussian", "cosecant", "file"] | None = None
     beam_elevation_width_deg: float | None = None
     beam_cosecant_to_deg: float | None = None
+    beam_stabilised: bool | None = None
     pulse_kind: Literal["off", "rectangular", "compressed"] | None = None
     pulse_length_us: float | None = None
     pulse_bandwidth_mhz: float | None = None
@@ -253,6 +256,7 @@ Settings.keys = {
     "beam.elevation": "beam_elevation",
     "beam.elevation_width_deg": "beam_elevation_width_deg",
     "beam.cosecant_to_deg": "beam_cosecant_to_deg",
+    "beam.stabilised": "beam_stabilised",
     "pulse.kind": "pulse_kind",
     "pulse.length_us": "pulse_length_us",
     "pulse.bandwidth_mhz": "pulse_bandwidth_mhz",
@@ -301,9 +305,10 @@ class Pose(Fields):
     bearing_deg: Centre of the sector, clockwise from true north at the antenna. Allowed: number -360 to 360 deg.
     heading_deg: Heading of the platform that carries the antenna, true; a scene file that names none gets the bearing.
         Allowed: number -360 to 360 deg.
-    roll_deg: Roll of the platform, right side down positive; the antenna is stabilised against it. Allowed: number -60 to
-        60 deg.
-    pitch_deg: Pitch of the platform, nose up positive; the antenna is stabilised against it. Allowed: number -60 to 60 deg.
+    roll_deg: Roll of the platform, right side down positive; an antenna with beam.stabilised = false rolls with it.
+        Allowed: number -60 to 60 deg.
+    pitch_deg: Pitch of the platform, nose up positive; an antenna with beam.stabilised = false pitches with it. Allowed:
+        number -60 to 60 deg.
     velocity_north_m_s: Velocity of the antenna over the ground, its part towards true north; auto: from the poses and their
         own times, where there are two. Of the three parts one that is not named beside another is 0. Allowed: "auto" or a
         number -20000 to 20000 m/s.
