@@ -291,4 +291,6 @@ std::vector<std::string> frame_warnings(const wire::FrameDescriptor& descriptor,
   return warnings;
 }
 
+double compass_deg(double bearing_deg) { return std::fmod(std::fmod(bearing_deg, 360) + 360, 360); }
+
 }  // namespace obliq

@@ -39,4 +39,7 @@ std::vector<std::string> frame_warnings(const wire::FrameDescriptor& descriptor,
 std::string frame_json(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
                        const std::vector<std::string>& planes);
 
+/// A bearing as an operator reads it: 0 to 360.
+double compass_deg(double bearing_deg);
+
 }  // namespace obliq

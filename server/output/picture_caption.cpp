@@ -97,17 +97,16 @@ PictureCaption::PictureCaption(const Facts& facts, double width) : facts_(facts)
   const std::string reference = wire::enum_word(wire::HeightReference_Name(d.pose().height_reference()));
   const double r_min_km = d.range_start_m() / 1000;
   const double r_max_km = r_min_km + d.range_spacing_m() * d.settings().range_bins() / 1000;
-  lines_ =
-      flow({"antenna " + degrees_text(d.pose().latitude_deg(), 'N', 'S') + ", " +
-                degrees_text(d.pose().longitude_deg(), 'E', 'W'),
-            fmt::format("{:.0f} m above the ", d.pose().height_m()) + reference,
-            fmt::format("bearing {:05.1f}°", std::fmod(std::fmod(d.pose().bearing_deg(), 360) + 360, 360)),
-            facts.time.empty() ? time_text(d.pose().sim_time_ns()) : facts.time,
-            fmt::format("slant ranges {:.4g} to {:.4g} km", r_min_km, r_max_km),
-            fmt::format("{} x {} bins", d.settings().azimuth_bins(), d.settings().range_bins()),
-            fmt::format("{:.4g} GHz", d.settings().frequency_ghz()), sampling_text(d, s),
-            facts.up_rad == 0 ? "north is up" : "the bearing is up"},
-           width - kNorth);
+  lines_ = flow({"antenna " + degrees_text(d.pose().latitude_deg(), 'N', 'S') + ", " +
+                     degrees_text(d.pose().longitude_deg(), 'E', 'W'),
+                 fmt::format("{:.0f} m above the ", d.pose().height_m()) + reference,
+                 fmt::format("bearing {:05.1f}°", compass_deg(d.pose().bearing_deg())),
+                 facts.time.empty() ? time_text(d.pose().sim_time_ns()) : facts.time,
+                 fmt::format("slant ranges {:.4g} to {:.4g} km", r_min_km, r_max_km),
+                 fmt::format("{} x {} bins", d.settings().azimuth_bins(), d.settings().range_bins()),
+                 fmt::format("{:.4g} GHz", d.settings().frequency_ghz()), sampling_text(d, s),
+                 facts.up_rad == 0 ? "north is up" : "the bearing is up"},
+                width - kNorth);
   // The frame's own first, and of what loading had to say as much as there is room for.
   std::vector<std::string> warnings = frame_warnings(d, s);
   std::ranges::reverse(warnings);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/output/describe_frame.h"
 #include "server/output/picture_caption.h"
 #include "terrain/base/units.h"
 
@@ -131,7 +132,7 @@ class Overlay {
       cairo_line_to(canvas_.cairo(), outer.x, outer.y);
       canvas_.stroke(kGrid, 0.8, 0.4);
       const Point out = direction(on_picture({0, 0}), outer);
-      const std::string words = fmt::format("{:03.0f}°", std::fmod(std::fmod(b, 360) + 360, 360));
+      const std::string words = fmt::format("{:03.0f}°", compass_deg(b));
       canvas_.label(outer.x + 20 * out.x, outer.y + 14 * out.y, words, kFont, kInk);
     }
   }

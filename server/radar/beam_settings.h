@@ -18,7 +18,7 @@ struct BeamSettings {
   double extent_deg = 0;  ///< beyond it the azimuth pattern is 0; 0: chosen by the pattern
   ElevationPattern elevation = ElevationPattern::off;
   double elevation_width_deg = 6;
-  double cosecant_to_deg = 30;              ///< depression to which the cosecant reaches
+  double cosecant_to_deg = 30;  ///< depression to which the cosecant reaches
   /// Held level, whatever its platform does; else its beam rolls and pitches with it (antenna_axes.h).
   bool stabilised = true;
   std::shared_ptr<const PatternCuts> file;  ///< of the patterns "file"; else null

@@ -71,7 +71,7 @@ std::string pose_text(const wire::Pose& pose) {
                      pose.height_reference() == wire::GROUND      ? "ground"
                      : pose.height_reference() == wire::ELLIPSOID ? "ellipsoid"
                                                                   : "datum",
-                     pose.bearing_deg(), tilt, motion);
+                     compass_deg(pose.bearing_deg()), tilt, motion);
 }
 
 void WarningChanges::tell(std::vector<std::string> now, const std::string& where) {

@@ -53,7 +53,8 @@ const std::array kParameters{
         "Depression to which a cosecant-squared pattern reaches."),
     row<&RadarSettings::beam, &BeamSettings::stabilised>(
         "beam.stabilised", "", kAny, "beam_stabilised", {337, u16},
-        "Hold the antenna level whatever the platform does; false: its scan angles are the platform's own, and its "
+        "Hold the antenna level whatever the platform does; false: its scan angles are the platform's own, "
+        "and its "
         "beam rolls and pitches with it."),
     row<&RadarSettings::pulse, &PulseSettings::kind>(
         "pulse.kind", "", kPulseKinds, "pulse_kind", {273, u16},
