@@ -137,7 +137,7 @@ int obliq_move(obliq_client* client, const char* radar, const obliq_pose* pose);
 int obliq_where(obliq_client* client, const char* radar, obliq_pose* pose);
 
 /* settings: "receiver_gain_db=6 scan_mode=SECTOR_SCAN noise=true", by the names of RadarSettings; all or none
- * change. */
+ * change. A list has ; between its numbers: "scan_bars=-2;-5", and an empty one nothing: "scan_bars=". */
 int obliq_set(obliq_client* client, const char* radar, const char* settings);
 /* The value of one of them as text, as obliq_set() takes it. */
 int obliq_get(obliq_client* client, const char* radar, const char* setting, char* text, size_t size);

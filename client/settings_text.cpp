@@ -2,7 +2,9 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <google/protobuf/reflection.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <limits>
@@ -35,6 +37,9 @@ std::string number_text(Number value) {
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
 }
 
+/// In a list: commas are between settings.
+constexpr char kBetweenNumbers = ';';
+
 template <class Number>
 std::string whole_numbers() {
   using Limits = std::numeric_limits<Number>;
@@ -46,6 +51,29 @@ std::string enumerators(const FieldDescriptor& field) {
   for (int k = 0; k < field.enum_type()->value_count(); ++k)
     names += (k > 0 ? " | " : "") + std::string(field.enum_type()->value(k)->name());
   return names;
+}
+
+/// Numbers, "-2;-5", in the one field of a list; nothing between the signs: an empty list.
+std::optional<std::string> put_list(Message& list, std::string_view text) {
+  const auto numbers =
+      list.GetReflection()->GetMutableRepeatedFieldRef<double>(&list, list.GetDescriptor()->field(0));
+  numbers.Clear();
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(kBetweenNumbers));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    const auto number = number_of<double>(word);
+    if (!number) return std::string("numbers with ") + kBetweenNumbers + " between them, such as -2;-5";
+    numbers.Add(*number);
+  }
+  return std::nullopt;
+}
+
+std::string list_text(const Message& list) {
+  std::string text;
+  for (const double number :
+       list.GetReflection()->GetRepeatedFieldRef<double>(list, list.GetDescriptor()->field(0)))
+    text += (text.empty() ? "" : std::string(1, kBetweenNumbers)) + number_text(number);
+  return text;
 }
 
 /// Puts a value in its field; what is allowed where it does not fit.
@@ -75,6 +103,8 @@ std::optional<std::string> put(Message& message, const FieldDescriptor& field, s
       if (const auto* value = field.enum_type()->FindValueByName(std::string(text)))
         return reflection.SetEnum(&message, &field, value), std::nullopt;
       return enumerators(field);
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return put_list(*reflection.MutableMessage(&message, &field), text);
     default:
       return "nothing that a text can say";
   }
@@ -118,6 +148,8 @@ std::optional<std::string> setting_text(const wire::RadarSettings& settings, std
       return number_text(reflection.GetUInt64(settings, field));
     case FieldDescriptor::CPPTYPE_ENUM:
       return std::string(reflection.GetEnum(settings, field)->name());
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return list_text(reflection.GetMessage(settings, field));
     default:
       return std::nullopt;
   }

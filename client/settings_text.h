@@ -12,7 +12,7 @@ class RadarSettings;
 
 namespace obliq::client {
 
-/// "receiver_gain_db=6 scan_mode=SECTOR_SCAN noise=true" into a message. bad_argument names the field, what
+/// "receiver_gain_db=6 scan_mode=SECTOR_SCAN noise=true scan_bars=-2;-5" into a message. bad_argument names the field, what
 /// was found and what is allowed; limits are the server's.
 Status read_settings(std::string_view text, wire::RadarSettings& settings);
 

@@ -63,7 +63,7 @@ namespace Obliq
     [Serializable, DataContract]
     public sealed class RadarInfo
     {
-        [DataMember] public string request_id, radar, controller, settings_controller, fault, settings_version;
+        [DataMember] public string request_id, radar, controller, settings_controller, fault, gimbal, settings_version;
         [DataMember] public RadarSettings settings;
         [DataMember] public Pose pose;
         [DataMember] public bool controlled_by_you, transmit_off, frozen, exercise_frozen, pose_stale;
@@ -303,6 +303,12 @@ namespace Obliq
             var quoted = new List<string>();
             foreach (var value in values) quoted.Add(Quoted(value));
             return Put(name, "[" + string.Join(",", quoted.ToArray()) + "]");
+        }
+        public Fields Add(string name, IEnumerable<double> values)
+        {
+            var texts = new List<string>();
+            foreach (var value in values) texts.Add(value.ToString("R", CultureInfo.InvariantCulture));
+            return Put(name, "[" + string.Join(",", texts.ToArray()) + "]");
         }
         public override string ToString() { return text_ + "}"; }
 

@@ -24,7 +24,8 @@ BLOCKING = [(r"async (def|with|for) ", r"\1 "), (r"\bawait ", ""), (r"\basynccon
             (r"__(aenter|aexit|aiter|anext)__", lambda found: f"__{found[1][1:]}__"), (r"\bStopAsyncIteration\b", "StopIteration"),
             (r"\bAsyncIterator\b", "Iterator"), (r"Callable\[\[\], Awaitable\[Connection\]\]", "Callable[[], Connection]"),
             (r"\((self\.info\(\))\)", r"\1"), (r"\basyncio\.Lock\b", "threading.Lock"), (r"\basyncio\.sleep\b", "time.sleep"), (r"_aio_(connection|streams|classes)", r"_\1")]
-PYTHON_TYPES = {"number": "float", "integer": "int", "boolean": "bool", "choice": "str", "text": "str"}
+PYTHON_TYPES = {"number": "float", "integer": "int", "boolean": "bool", "choice": "str", "text": "str",
+                "list of numbers": "Sequence[float]"}
 
 
 def choices(row, kind):
@@ -83,12 +84,13 @@ def parameters_texts(rows, messages):
         if message in by_message:
             by_message[message].append((field, row))
     out = ['"""The parameters of a radar and the pose of its antenna. Written by generate.py: do not edit."""',
-           "from __future__ import annotations", "", "import dataclasses", "from typing import TYPE_CHECKING, Literal", "",
+           "from __future__ import annotations", "", "import dataclasses", "from collections.abc import Sequence",
+           "from typing import TYPE_CHECKING, Literal", "",
            "from ._fields import Fields", "from ._keywords import PoseFields, SettingsFields", "",
            "if TYPE_CHECKING:", "    from typing_extensions import Unpack", "",
            '__all__ = ["Pose", "PoseFields", "Settings", "SettingsFields"]']
     keywords = ['"""The keywords that Settings and Pose take, for type checkers. Written by generate.py: do not edit."""',
-                "from __future__ import annotations", "", "from typing import Literal, TypedDict"]
+                "from __future__ import annotations", "", "from collections.abc import Sequence", "from typing import Literal, TypedDict"]
     for python_name, message, text in (
             ("Settings", "RadarSettings", "Settings of a radar. None: as it is, or the default where a frame is rendered."),
             ("Pose", "Pose", "Where the antenna is and where it looks. None: as it is.")):

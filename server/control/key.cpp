@@ -1,5 +1,6 @@
 #include "server/control/key.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -78,6 +79,10 @@ std::optional<T> convert(const Key& key, const Value& value) {
   } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
     const auto* same = std::get_if<T>(&value);
     return same != nullptr ? std::optional<T>(*same) : std::nullopt;
+  } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+    if (const auto* list = std::get_if<T>(&value)) return *list;
+    const auto number = convert<double>(key, value);
+    return number ? std::optional<T>(std::in_place, 1, *number) : std::nullopt;
   } else if constexpr (std::is_same_v<T, double>) {
     if (const auto* real = std::get_if<double>(&value)) return *real;
     if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
@@ -149,6 +154,9 @@ std::optional<FieldError> check(const Key& key, const Slot& slot) {
           return true;
         } else if constexpr (std::is_same_v<T, std::optional<double>>) {
           return !*place || key.limits.contains(**place);
+        } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+          return place->size() <= kMostNumbers &&
+                 std::ranges::all_of(*place, [&](double number) { return key.limits.contains(number); });
         } else {
           return key.limits.contains(static_cast<long double>(*place));
         }
@@ -189,6 +197,7 @@ std::string_view type_name(const Slot& slot) {
         if constexpr (std::is_enum_v<T>) return "choice";
         if constexpr (std::is_same_v<T, bool>) return "boolean";
         if constexpr (std::is_same_v<T, std::string>) return "text";
+        if constexpr (std::is_same_v<T, std::vector<double>>) return "list of numbers";
         if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>) return "number";
         return "integer";
       },
@@ -202,6 +211,8 @@ std::string allowed_text(const Key& key, const Slot& slot) {
   if (std::holds_alternative<std::optional<double>*>(slot))
     return toml_string(kAuto) + " or a number " + limits_text(key.limits, key.unit);
   const std::string limits = limits_text(key.limits, key.unit);
+  if (std::holds_alternative<std::vector<double>*>(slot))
+    return "a list of up to " + std::to_string(kMostNumbers) + " numbers, " + limits;
   const std::string kind = std::holds_alternative<double*>(slot) ? "number" : "integer";
   if (limits != "any") return kind + " " + limits;
   return (std::holds_alternative<std::uint64_t*>(slot) ? "non-negative " : "any ") + kind;
@@ -246,6 +257,10 @@ std::string toml_text(const Value& value) {
           return toml_string(v);
         } else if constexpr (std::is_same_v<T, double>) {
           return toml_number(v);
+        } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+          std::string text;
+          for (const double number : v) text += (text.empty() ? "" : ", ") + toml_number(number);
+          return "[" + text + "]";
         } else {
           return std::to_string(v);
         }

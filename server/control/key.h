@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "terrain/base/errors.h"
 
@@ -30,13 +31,14 @@ enum class LogFormat;
 enum class LogLevel;
 
 /// A value between its source and its place. Enumerations go by name.
-using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
+using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string, std::vector<double>>;
 
 /// Where a value lives. An optional number is "auto" where it is empty.
-using Slot = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*,
-                          std::string*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*,
-                          BeamPattern*, ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*,
-                          SyntheticKind*, ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
+using Slot =
+    std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*, std::string*,
+                 std::vector<double>*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*,
+                 BeamPattern*, ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*, SyntheticKind*,
+                 ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {
@@ -52,6 +54,9 @@ constexpr Limits from(double low) { return {low, std::numeric_limits<double>::in
 constexpr Limits above(double low, double high) { return {low, high, true, false}; }
 
 constexpr Limits kAny{};
+
+/// Numbers in a value that is a list.
+constexpr std::size_t kMostNumbers = 16;
 
 /// When a change of a key's text in the scene file takes effect in a daemon that runs.
 enum class Change {

@@ -2,6 +2,7 @@
 // Radars that ride on a platform: where each stands, and where it looks, from the platform's own pose.
 #include <string>
 
+#include "server/control/gimbal.h"
 #include "server/radar/settings.h"
 
 namespace obliq {
@@ -12,6 +13,7 @@ struct Mount {
   double right_m = 0;
   double up_m = 0;
   double look_deg = 0;  ///< of the sector's centre at the start, clockwise from the nose
+  GimbalLimits gimbal{};
 };
 
 /// What radars ride on, as it is configured.

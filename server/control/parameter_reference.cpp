@@ -95,7 +95,8 @@ std::string platform_page() {
          "once. Its `[antenna]` has `tilt_deg` and `tilt_auto` alone; `[mount]` (or "
          "`[radar.mount]`)\nsays where it is fixed, in the platform's own axes, which roll, pitch and "
          "heading turn. The antenna itself is held level "
-         "unless `beam.stabilised` is false.\n\n" +
+         "unless `beam.stabilised` is false.\nIts gimbal may have limits: what is asked beyond them is kept, the "
+         "antenna stands at the limit, and RadarInfo, `obliq status` and the page say so.\n\n" +
          std::string(kSceneHeader) + rows(KeyGroup::short_form, "mount.") + rows(KeyGroup::list, "platform.");
 }
 
@@ -207,8 +208,6 @@ std::string parameters_markdown() {
   }
   page +=
       "\nIn a file, a variable or a flag, `frustum.pixels` = one number or `[columns, rows]` sets both.\n"
-      "`scan.bars` = a list of up to 16 tilts in degrees, -90 to 90, one a pass, in turn; in a scene file "
-      "alone.\n"
       "`beam.file` = a table `cut,angle_deg,gain_db` (cuts azimuth and elevation) for the patterns \"file\"; "
       "in a "
       "scene file\nalone.\n";

@@ -21,6 +21,25 @@ bool is_text(const ConfigNode& node) {
 
 }  // namespace
 
+std::optional<FieldError> store_node(const Key& key, const Slot& slot, const ConfigNode& node) {
+  const FieldError unfit{std::string(key.name), node.found_text(), allowed_text(key, slot)};
+  Value value = node.value;
+  if (node.kind == Kind::array && std::holds_alternative<std::vector<double>*>(slot)) {
+    std::vector<double> numbers;
+    for (const ConfigNode& item : node.items) {
+      const auto number = number_of(item);
+      if (!number) return unfit;
+      numbers.push_back(*number);
+    }
+    value = std::move(numbers);
+  } else if (node.kind != Kind::value) {
+    return unfit;
+  }
+  auto error = store(key, slot, value);
+  if (error) error->found = unfit.found;
+  return error;
+}
+
 SectionReader::SectionReader(const ConfigNode& table, std::string prefix, Complaints& complaints)
     : table_(table), prefix_(std::move(prefix)), complaints_(complaints) {}
 
@@ -42,12 +61,7 @@ bool SectionReader::read_unchecked(std::string_view name, const Key& key, const 
   if (node == nullptr) return false;
   // A flag's text needs no quotes, even if it looks like a number.
   const bool bare_text = node->layer > 0 && std::holds_alternative<std::string*>(slot) && !is_text(*node);
-  const Value value = bare_text ? Value(node->raw) : node->value;
-  if (!bare_text && node->kind != Kind::value) {
-    complain(*node, name, allowed_text(key, slot));
-    return false;
-  }
-  const auto error = store(key, slot, value);
+  const auto error = bare_text ? store(key, slot, node->raw) : store_node(key, slot, *node);
   if (error) complain(*node, name, error->allowed);
   return !error;
 }

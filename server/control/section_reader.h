@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "server/control/key.h"
 
 namespace obliq {
+
+/// store() of what a node has: a value, or for a list its items.
+std::optional<FieldError> store_node(const Key& key, const Slot& slot, const ConfigNode& node);
 
 /// Reads one table of a configuration. Remembers which keys were asked for; finish() refuses the others
 /// and suggests the nearest name.

@@ -2,6 +2,7 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <google/protobuf/reflection.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -51,6 +52,12 @@ Value read_field(const Parameter& parameter, const FieldDescriptor& field, const
       return reflection->GetUInt64(message, &field);
     case FieldDescriptor::CPPTYPE_ENUM:
       return choice_value(parameter, field, reflection->GetEnumValue(message, &field));
+    case FieldDescriptor::CPPTYPE_MESSAGE: {
+      const Message& list = reflection->GetMessage(message, &field);
+      const auto numbers =
+          list.GetReflection()->GetRepeatedFieldRef<double>(list, list.GetDescriptor()->field(0));
+      return std::vector<double>(numbers.begin(), numbers.end());
+    }
     default:
       throw std::logic_error("no parameter has the type of field " + field.full_name());
   }
@@ -80,6 +87,14 @@ void write_field(const Parameter& parameter, const FieldDescriptor& field, const
       return reflection->SetUInt64(&message, &field, std::get<std::uint64_t>(value));
     case FieldDescriptor::CPPTYPE_ENUM:
       return write_choice(parameter, field, std::get<std::string>(value), message);
+    case FieldDescriptor::CPPTYPE_MESSAGE: {
+      Message& list = *reflection->MutableMessage(&message, &field);
+      const auto numbers =
+          list.GetReflection()->GetMutableRepeatedFieldRef<double>(&list, list.GetDescriptor()->field(0));
+      numbers.Clear();
+      for (const double number : std::get<std::vector<double>>(value)) numbers.Add(number);
+      return;
+    }
     default:
       throw std::logic_error("no parameter has the type of field " + field.full_name());
   }

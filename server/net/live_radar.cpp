@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "server/stream/frame_encoder.h"
 #include "terrain/base/units.h"
 
 namespace obliq::net {
@@ -60,6 +61,8 @@ std::string offence(const FrameQueue& queue, std::uint64_t oldest, const ServerO
 }
 
 }  // namespace
+
+LiveView LiveRadar::shown() const { return view().at(monotonic_ns()); }
 
 void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
   const auto frames = held_frames(radar);

@@ -71,7 +71,9 @@ struct LiveRadar {
   /// Nobody says where the nose points, until somebody does; a platform always does.
   void forget_heading() { has_heading = platform != nullptr; }
   std::size_t number() const { return stream_id - 1; }  ///< of the render thread
-  LiveView view() const { return {settings.current(), pose, pose_received_ns, poses}; }
+  LiveView view() const { return {settings.current(), pose, pose_received_ns, poses, false, initial.mount}; }
+  /// Where it looks now, as its gimbal lets it.
+  LiveView shown() const;
 };
 
 /// A radar's next frame is due and has been waiting for `held_up_s`, because as many frames as may be wait

@@ -30,7 +30,7 @@ struct Errand {
 /// What no client may hold for the change to be the console's.
 wire::ClaimSet claims_for(const PanelChange& change) {
   wire::ClaimSet claims = 0;
-  if (change.rate_limit_hz || change.of_scene_file) claims |= wire::kSettingsClaim;
+  if (change.rate_limit_hz || change.pattern_file) claims |= wire::kSettingsClaim;
   for (const auto& [parameter, value] : change.settings) {
     const bool flies = parameter->message == WireMessage::pose && !parameter->meaning.aim;
     claims |= flies ? wire::kPoseClaim : wire::kSettingsClaim;
@@ -133,9 +133,8 @@ PanelAnswer Panel::set(LiveRadar& radar, const PanelChange& change) {
   settle_planes(config.settings, std::ranges::any_of(change.settings, [](const PanelChange::Setting& s) {
                   return s.parameter->key.name == "frustum.pixel_columns";
                 }));
-  if (change.of_scene_file) {
-    config.settings.scan_bars_deg = change.of_scene_file->bars_deg;
-    config.settings.beam.file = change.of_scene_file->pattern;
+  if (change.pattern_file) {
+    config.settings.beam.file = *change.pattern_file;
     new_settings = true;
   }
   if (change.rate_limit_hz)

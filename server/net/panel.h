@@ -53,12 +53,8 @@ struct PanelChange {
     Value value;
   };
   std::vector<Setting> settings;
-  /// What no message carries and the scene file alone has: scan.bars and beam.file.
-  struct OfSceneFile {
-    std::vector<double> bars_deg;
-    std::shared_ptr<const PatternCuts> pattern;
-  };
-  std::optional<OfSceneFile> of_scene_file;
+  /// beam.file, which no message carries; null: none any more.
+  std::optional<std::shared_ptr<const PatternCuts>> pattern_file;
   std::optional<double> rate_limit_hz;  ///< 0: none
   std::optional<bool> transmit;
   std::optional<bool> freeze;

@@ -215,7 +215,7 @@ void Radars::aim(LiveRadar& radar, const PoseSettings& as) {
 }
 
 void Radars::hold_view(const LiveRadar& radar) {
-  LiveView held = radar.view().at(monotonic_ns());
+  LiveView held = radar.shown();
   held.poses = nullptr;
   render_.set_view(radar.number(), std::move(held));
 }

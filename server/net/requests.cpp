@@ -52,7 +52,9 @@ void write_condition(const LiveRadar& radar, Message& to) {
   to.set_transmit_off(!radar.transmit);
   to.set_frozen(radar.frozen);
   to.set_rate_limit_hz(radar.rate_limit_hz);
-  to.set_pose_stale(radar.poses->at(monotonic_ns()).stale);
+  const PoseAt now = radar.poses->at(monotonic_ns());
+  to.set_pose_stale(now.stale);
+  to.set_gimbal(limit_met(radar.initial.mount, radar.settings.current()->settings, now.pose));
   to.set_late_poses(radar.poses->late());
   if (radar.platform) to.set_platform(radar.platform->name);
 }
@@ -243,7 +245,7 @@ void Requests::set_settings(const wire::SetSettings& request) {
   if (errors.empty()) errors = room_.renderer().scene_faults(candidate);
   if (errors.empty()) {
     if (const auto over = room_.over_live_limit(candidate, wire::kAllPlanes)) return refuse(*over);
-    auto faults = beam_faults_of(candidate, before->version, radar->poses->at(monotonic_ns()).pose);
+    auto faults = beam_faults_of(candidate, before->version, radar->shown().pose);
     if (!faults) return;
     errors = std::move(*faults);
   }

@@ -94,7 +94,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   if (request.as_live()) {
     if (like == nullptr) return;  // refused
     settings = like->settings.current()->settings;
-    pose = like->poses->at(monotonic_ns()).pose;
+    pose = like->shown().pose;
   } else {
     errors = missing_position(request.pose());
     // Tables come from the scene file: those of the radar that the frame is to be like.
@@ -157,7 +157,7 @@ void Requests::query_ground(const wire::QueryGround& request) {
   if (!request.radar().empty()) {
     LiveRadar* radar = radar_of(request.radar());
     if (radar == nullptr) return;
-    question->antenna = radar->poses->at(monotonic_ns()).pose;
+    question->antenna = radar->shown().pose;
     if (request.has_antenna())
       errors.push_back({"antenna", "one, and the radar \"" + radar->name + "\"", "one of the two, or none"});
   } else if (request.has_antenna()) {

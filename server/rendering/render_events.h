@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/control/mount.h"
 #include "server/flight/pose_time_line.h"
 #include "server/radar/settings.h"
 #include "server/rendering/rendered.h"
@@ -24,15 +25,19 @@ struct LiveView {
   std::int64_t pose_received_ns = 0;
   std::shared_ptr<const PoseTimeLine> poses;  ///< null: the pose above stays
   bool pose_stale = false;
+  Mount mount{};
 
-  /// The same with the pose of a moment of the server's monotonic clock.
+  /// The antenna looks no further than its gimbal lets it.
+  void hold() { pose = held_by(mount, settings->settings, pose); }
+  /// The same with the pose of a moment of the server's monotonic clock, held.
   LiveView at(std::int64_t now_ns) const {
     LiveView view = *this;
-    if (!poses) return view;
+    if (!poses) return view;  // held when it was made
     const PoseAt at = poses->at(now_ns);
     view.pose = at.pose;
     view.pose_received_ns = at.received_ns;
     view.pose_stale = at.stale;
+    view.hold();
     return view;
   }
 };

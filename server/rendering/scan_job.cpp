@@ -60,6 +60,7 @@ std::shared_ptr<const LiveView> ScanJob::Scan::at_bar(const LiveView& view) cons
   if (!bars.empty()) {
     barred->pose.tilt_deg = bars[next.pass % bars.size()];
     barred->pose.tilt_auto = false;
+    barred->hold();
   }
   return barred;
 }

@@ -56,6 +56,13 @@ int main(int argc, char** argv) {
   printf("gain %s", text);
   said(client, "get", obliq_get(client, radar, "speckle", text, sizeof text));
   printf(" speckle %s\n", text);
+  said(client, "bars", obliq_set(client, radar, "scan_bars=-2;-5.5 receiver_gain_db=6"));
+  said(client, "get", obliq_get(client, radar, "scan_bars", text, sizeof text));
+  printf("bars %s", text);
+  said(client, "no bars", obliq_set(client, radar, "scan_bars="));
+  said(client, "get", obliq_get(client, radar, "scan_bars", text, sizeof text));
+  printf(" then \"%s\"\n", text);
+  said(client, "wrong bars", obliq_set(client, radar, "scan_bars=-2;up"));
   said(client, "wrong name", obliq_set(client, radar, "gain=6"));
   said(client, "wrong number", obliq_set(client, radar, "azimuth_bins=1.5"));
   said(client, "wrong limits", obliq_set(client, radar, "sector_deg=500"));

@@ -24,6 +24,8 @@ std::vector<RadarConfig> radars() {
     RadarConfig& radar = all.emplace_back(small_radar(name));
     radar.platform = ship;
     radar.mount = {.forward_m = forward_m, .look_deg = forward_m < 0 ? 180.0 : 0.0};
+    radar.settings.sector_deg = 60;
+    if (forward_m < 0) radar.mount.gimbal = {-50, 50, -30, 10};
     radar.pose = riding_at_start(*ship, radar.mount, radar.pose);
   }
   all.push_back(small_radar("free"));
@@ -163,6 +165,70 @@ TEST_F(Ship, ABearingAloneIsItsHeading) {
   ASSERT_TRUE(is_ok(host.set_pose("ship", old, ack)));
   EXPECT_EQ(info(host, "ship").pose().heading_deg(), 45);
   EXPECT_NEAR(info(host, "bow").pose().bearing_deg(), 45, 1e-9);
+}
+
+TEST_F(Ship, AGimbalsLimitIsSaidAndHoldsTheAntennaUntilItLooksBack) {
+  ASSERT_TRUE(is_ok(host.claim("ship", kPoseClaim)));
+  ASSERT_TRUE(is_ok(host.set_pose("ship", sailed(1, 40, 1'000'000'000), ack)));
+  ASSERT_TRUE(is_ok(hand.claim_control("stern")));
+  EXPECT_EQ(info(hand, "stern").gimbal(), "");
+  wire::Pose look;
+  look.set_bearing_deg(180 + 35);  // from the heading: the right edge 65 degrees from where the mount looks
+  look.set_tilt_deg(-45);
+  ASSERT_TRUE(is_ok(hand.set_pose("stern", look, ack)));
+  const std::string limit =
+      "azimuth at its limit of 50 deg, 15.0 deg short; elevation at its limit of -30 deg, 15.0 deg short";
+  EXPECT_EQ(info(hand, "stern").gimbal(), limit);
+  wire::Status status;
+  ASSERT_TRUE(is_ok(hand.get_status(status)));
+  EXPECT_EQ(status.radars(1).gimbal(), limit);
+  EXPECT_EQ(status.radars(0).gimbal(), "");
+
+  const auto seen = [&] {
+    client::FrameAssembler frames;
+    wire::RenderOnce request;
+    request.set_radar("stern");
+    request.set_as_live(true);
+    EXPECT_TRUE(is_ok(hand.render_once(request)));
+    EXPECT_TRUE(is_ok(receive_frame(hand, frames)));
+    hand.set_handler(nullptr);
+    return frames.frame().descriptor->pose();
+  };
+  EXPECT_NEAR(std::remainder(seen().bearing_deg() - (40 + 200), 360), 0, 1e-9);
+  EXPECT_EQ(seen().tilt_deg(), -30);
+
+  // What was asked is kept: with the ship's way back, or a narrower sector, it looks as asked.
+  wire::RadarSettings narrow;
+  narrow.set_sector_deg(20);
+  ASSERT_TRUE(is_ok(hand.set_settings("stern", narrow, ack)));
+  EXPECT_EQ(info(hand, "stern").gimbal(), "elevation at its limit of -30 deg, 15.0 deg short");
+  EXPECT_NEAR(std::remainder(seen().bearing_deg() - (40 + 215), 360), 0, 1e-9);
+  look.set_tilt_deg(-20);
+  ASSERT_TRUE(is_ok(hand.set_pose("stern", look, ack)));
+  EXPECT_EQ(info(hand, "stern").gimbal(), "");
+}
+
+TEST_F(Ship, BarsAreSettingsThatAClientChanges) {
+  ASSERT_TRUE(is_ok(hand.claim_control("bow")));
+  wire::RadarSettings settings;
+  for (const double tilt_deg : {-2.0, -6.5}) settings.mutable_scan_bars()->add_tilt_deg(tilt_deg);
+  ASSERT_TRUE(is_ok(hand.set_settings("bow", settings, ack)));
+  const wire::ScanBars found = info(hand, "bow").settings().scan_bars();
+  ASSERT_EQ(found.tilt_deg_size(), 2);
+  EXPECT_EQ(found.tilt_deg(1), -6.5);
+  wire::RadarSettings other;
+  other.set_r_max_m(20e3);
+  ASSERT_TRUE(is_ok(hand.set_settings("bow", other, ack)));
+  EXPECT_EQ(info(hand, "bow").settings().scan_bars().tilt_deg_size(), 2) << "absent: as they are";
+  settings.mutable_scan_bars()->add_tilt_deg(90.5);
+  expect_refused(hand.set_settings("bow", settings, ack), 100,
+                 "scan.bars: found [-2.0, -6.5, 90.5]; allowed: a list");
+  settings.mutable_scan_bars()->clear_tilt_deg();
+  for (int k = 0; k < 17; ++k) settings.mutable_scan_bars()->add_tilt_deg(k);
+  expect_refused(hand.set_settings("bow", settings, ack), 100, "a list of up to 16 numbers, -90 to 90 deg");
+  settings.mutable_scan_bars()->clear_tilt_deg();
+  ASSERT_TRUE(is_ok(hand.set_settings("bow", settings, ack)));
+  EXPECT_EQ(info(hand, "bow").settings().scan_bars().tilt_deg_size(), 0) << "an empty list ends them";
 }
 
 TEST_F(Ship, StatesAndResetsMoveItAsAWhole) {

@@ -310,11 +310,25 @@ TEST_F(QueryCommand, TakesBearingsAndRangesAndAnAntennaOfItsOwn) {
   EXPECT_EQ(fields[11], "visible");
 }
 
+TEST_F(QueryCommand, SomePointsHaveHeightsAndOthersNone) {
+  const Outcome outcome = query(
+      {"--csv", "--at", "33,-99.5", "--at", "33.01,-99.5,2000", "--at", "33.02,-99.5", "--radar", "main"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::istringstream lines(outcome.out);
+  std::string line;
+  std::getline(lines, line);
+  for (const auto& [latitude, height_m] : {std::pair{"33", 0.0}, {"33.01", 2000.0}, {"33.02", 0.0}}) {
+    ASSERT_TRUE(std::getline(lines, line));
+    const std::vector<std::string> fields = csv_fields(line);
+    EXPECT_EQ(fields[0], latitude);
+    EXPECT_NEAR(std::stod(fields[10]), height_m, 1e-6) << line;
+  }
+}
+
 TEST_F(QueryCommand, RefusesWhatItCannotAsk) {
   expect_refused({}, "found 0 of --at, --range and --points");
   expect_refused({"--at", "33"}, "--at: found 33; allowed: two or three numbers");
   expect_refused({"--at", "33,-99,nan", "--radar", "main"}, "height_m[0]: found nan");
-  expect_refused({"--at", "33,-99,10", "--at", "33,-99", "--radar", "main"}, "heights for 1 of 2 points");
   expect_refused({"--at", "33,-99", "--radar", "tail"}, "main, nose");
   expect_refused({"--at", "133,-99", "--radar", "main"}, "latitude_deg[0]: found 133; allowed: -90 to 90");
   expect_refused({"--points", "nothing.csv", "--radar", "main"}, "nothing.csv cannot be read");

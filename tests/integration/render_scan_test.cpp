@@ -198,6 +198,27 @@ TEST_F(ScanTest, ChangedSettingsEndThePassAndBeginAnother) {
   EXPECT_EQ(events_.aborts[0].frame_id(), events_.begins[0].frame_id());
 }
 
+TEST_F(ScanTest, BarsTakeTurnsPassByPassAndTheGimbalHoldsThem) {
+  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
+  EXPECT_EQ(events_.wedges.back().pose().tilt_deg(), 0);
+  RadarSettings settings = settings_->settings;
+  settings.scan_bars_deg = {-2, -40};
+  net::LiveView view{std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 8}), {}, 0, poses_};
+  view.mount.gimbal.elevation_min_deg = -25;
+  thread_.set_view(0, view);
+  ASSERT_TRUE(events_.wait([&] { return events_.aborts.size() == 1; }));
+  // By the tilt of its dwells, pass after pass.
+  std::vector<double> tilts;
+  for (double s = 0.2; tilts.size() < 4 && s < 20; s += 0.125) {
+    const std::size_t before = events_.wedges.size();
+    advance_to(s);
+    ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() > before; }));
+    const wire::WedgeBlock& wedge = events_.wedges.back();
+    if (tilts.empty() || tilts.back() != wedge.pose().tilt_deg()) tilts.push_back(wedge.pose().tilt_deg());
+  }
+  EXPECT_EQ(tilts, (std::vector<double>{-2, -25, -2, -25}));
+}
+
 TEST_F(ScanTest, APassThatTheServersEndCutsSaysSo) {
   ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
   thread_.finish();

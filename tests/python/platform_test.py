@@ -21,7 +21,7 @@ platform = "ship"
 sector_deg = 60.0
 r_min_m = 1000.0
 r_max_m = 3000.0
-mount = {{ forward_m = {forward_m}, look_deg = {look_deg} }}
+mount = {{ forward_m = {forward_m}, look_deg = {look_deg}, azimuth_max_deg = 60.0 }}
 """ for name, forward_m, look_deg in (("forward", 40.0, 0.0), ("aft", -40.0, 180.0)))
 METRES_A_DEGREE = 6378137.0 * 3.14159265358979 / 180  # of longitude at the equator; at 33 degrees 0.8396 of it and a little
 
@@ -54,6 +54,30 @@ class Platform(Folder):
         with obliq.connect(self.address) as server:
             self.assertEqual((server.radar("aft").pose.bearing_deg, server.radar("aft").pose.tilt_deg), (30.0, -4.0))
             self.assertEqual(server.radar("aft").pose.height_m, aft.height_m)
+
+    def test_bars_and_what_a_gimbal_holds_back(self):
+        self.assertEqual(self.command("set", "--radar", "aft", "scan.bars=[-2,-5.5]", "scan.mode=sector").returncode, 0)
+        self.assertIn("bars at -2 -5.5 degrees", self.command("status").stdout)
+        with obliq.connect(self.address) as server:
+            aft = server.radar("aft")
+            self.assertEqual(aft.settings.scan_bars, (-2.0, -5.5))
+            self.assertEqual(aft.info().gimbal, "")
+            with aft.control() as knobs:
+                knobs.set(scan_bars=[-3], r_max_m=2500.0)
+                self.assertEqual(knobs.settings.scan_bars, (-3.0,))
+                knobs.set(scan_bars=())
+                self.assertEqual(knobs.settings.scan_bars, ())
+                with self.assertRaisesRegex(obliq.ObliqError, r"scan.bars: found \[91.0\]; allowed: a list of up to 16 numbers, -90 to 90 deg"):
+                    knobs.set(scan_bars=(91,))
+                with self.assertRaisesRegex(TypeError, "scan_bars='up'; allowed: a sequence of numbers"):
+                    knobs.set(scan_bars="up")
+                with self.assertRaisesRegex(ValueError, "finite"):
+                    knobs.set(scan_bars=[float("nan")])
+                knobs.set_pose(bearing_deg=90.0 + 180.0 + 70.0)
+            self.assertEqual(aft.info().gimbal, "azimuth at its limit of 60 deg, 40.0 deg short")
+            self.assertAlmostEqual(aft.frame().pose.bearing_deg, -60.0)
+            self.assertAlmostEqual(aft.pose.bearing_deg, -20.0)  # as it was asked
+        self.assertIn("gimbal: azimuth at its limit of 60 deg, 40.0 deg short", self.command("status").stdout)
 
     def test_python_holds_and_moves_it_while_another_turns_a_radars_knobs(self):
         with obliq.connect(self.address) as host, obliq.connect(self.address) as hand:

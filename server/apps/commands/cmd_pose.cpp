@@ -55,7 +55,10 @@ void run(const PoseArguments& arguments) {
     const bool rides = !info.platform().empty();
     if (!pose.has_pose_id() && !rides) pose.set_pose_id(config.pose.pose_id + 1);
     wire::Ack ack;
-    require(client.claim(radar, rides ? wire::kSettingsClaim : wire::kPoseClaim));
+    client::Status claimed = client.claim(radar, rides ? wire::kSettingsClaim : wire::kPoseClaim);
+    if (!claimed.ok() && !rides && names_key(arguments.set, "antenna.tilt_deg"))
+      claimed.text += "; tilt alone: `obliq set antenna.tilt_deg=DEGREES`, which takes the settings";
+    require(claimed);
     require(client.set_pose(radar, pose, ack));
     for (const std::string& warning : ack.warnings()) say_on_terminal({warning, true});
     require(client.get_radar(radar, info));

@@ -202,11 +202,6 @@ wire::QueryGround request_of(const QueryArguments& arguments, const client::Clie
 void run(const QueryArguments& arguments) {
   bool by_bearing = false;
   const std::vector<GivenPoint> points = given_points(arguments, by_bearing);
-  const auto with_height = static_cast<std::size_t>(
-      std::ranges::count_if(points, [](const GivenPoint& point) { return point.has_height; }));
-  if (with_height != 0 && with_height != points.size())
-    throw InputError(fmt::format("found heights for {} of {} points; allowed: for all or for none",
-                                 with_height, points.size()));
   client::Client client = connect_to_server(arguments.server, "obliq query");
   const wire::QueryGround common = request_of(arguments, client);
   if (arguments.csv)
@@ -214,9 +209,11 @@ void run(const QueryArguments& arguments) {
         "latitude_deg,longitude_deg,state,height_m,surface_height_m,slope_deg,downhill_deg,material,water,"
         "building,point_height_m,sight,clearance_deg,obstacle_range_m\n");
   const std::size_t most = std::max(1u, client.welcome().limits().max_query_points());
-  for (std::size_t first = 0; first < points.size(); first += most) {
+  // A query has heights for all of its points or for none.
+  for (std::size_t first = 0, k = 0; first < points.size(); first = k) {
     wire::QueryGround request = common;
-    for (std::size_t k = first; k < std::min(points.size(), first + most); ++k) {
+    for (; k < std::min(points.size(), first + most) && points[k].has_height == points[first].has_height;
+         ++k) {
       const GivenPoint& point = points[k];
       (by_bearing ? request.mutable_bearing_deg() : request.mutable_latitude_deg())->Add(point.first);
       (by_bearing ? request.mutable_range_m() : request.mutable_longitude_deg())->Add(point.second);

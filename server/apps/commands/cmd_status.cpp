@@ -71,6 +71,7 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
   if (radar.transmit_off()) std::printf(", transmit off");
   if (radar.frozen()) std::printf(", frozen");
   if (radar.pose_stale()) std::printf(", its pose is stale");
+  if (!radar.gimbal().empty()) std::printf(", gimbal: %s", radar.gimbal().c_str());
   if (radar.late_poses() > 0) std::printf(", %" PRIu64 " poses came late", radar.late_poses());
   if (radar.dwells_missed() > 0) std::printf(", %" PRIu64 " dwells missed", radar.dwells_missed());
   if (!radar.fault().empty()) std::printf(", cannot be rendered: %s", radar.fault().c_str());
@@ -83,6 +84,11 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
     std::printf(", scans %s at %g degrees/s",
                 settings.scan_mode() == wire::SECTOR_SCAN ? "its sector" : "round",
                 settings.scan_rate_deg_s());
+  if (settings.scan_mode() != wire::FRAME_SCAN && settings.scan_bars().tilt_deg_size() > 0) {
+    std::printf(", bars at");
+    for (const double tilt_deg : settings.scan_bars().tilt_deg()) std::printf(" %g", tilt_deg);
+    std::printf(" degrees");
+  }
   std::printf("\n  sampling: %s\n", sampling_text(settings).c_str());
   if (radar.has_coverage())
     std::printf("  ground: under %.4g %% of the newest frame's sector%s%s\n", 100 * radar.coverage(),

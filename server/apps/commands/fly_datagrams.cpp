@@ -144,9 +144,7 @@ class Ride {
     if (!(state.id == *entity_) || (source_.exercise >= 0 && state.exercise != source_.exercise)) return;
     if (!state.active) return leave("is deactivated");
     has_left_ = false;
-    if (const std::string fault = fault_of(state.attitude); !fault.empty())
-      add_news("roll and pitch are not taken, " + fault.substr(0, fault.find(':')) + " is beyond " +
-               fault.substr(fault.rfind(':') + 2) + " degrees");
+    hear_of_attitude(fault_of(state.attitude));
     newest_ = state;
     arrived_ = Clock::now();
     next_ = arrived_;
@@ -245,6 +243,15 @@ class Ride {
     ++sent_;
   }
 
+  /// What is wrong with an entity's attitude: told when it begins.
+  void hear_of_attitude(const std::string& fault) {
+    const std::string what = fault.substr(0, fault.find(':'));
+    if (what != attitude_fault_ && !what.empty())
+      add_news("roll and pitch are not taken, " + what + " is beyond " + fault.substr(fault.rfind(':') + 2) +
+               " degrees");
+    attitude_fault_ = what;
+  }
+
   /// Of an Ack: those that the one before had not.
   void hear(std::vector<std::string> warnings) {
     for (const std::string& warning : warnings)
@@ -272,7 +279,8 @@ class Ride {
   std::uint64_t sent_ = 0;
   RefusedDatagrams refused_;
   std::vector<std::string> news_, warnings_;
-  bool is_frozen_ = false;  ///< by an order
+  std::string attitude_fault_;  ///< which angle is beyond its limit; empty: none
+  bool is_frozen_ = false;      ///< by an order
   Clock::time_point next_order_, next_news_;
 };
 

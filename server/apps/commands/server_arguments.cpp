@@ -19,6 +19,7 @@
 #include "server/control/parameters.h"
 #include "server/control/planes_per_bin.h"
 #include "server/control/quality_presets.h"
+#include "server/control/section_reader.h"
 #include "server/control/settings_message.h"
 #include "server/loading/scene_loading.h"
 #include "terrain/base/errors.h"
@@ -61,7 +62,7 @@ std::string why_no_parameter(const std::string& name) {
   if (name == "radar.platform" || name.starts_with("mount."))
     return "stands in the scene file alone, which says what rides on what; allowed: change it there and "
            "start obliqd anew";
-  if (name == "beam.file" || name == "scan.bars" || name == "radar.preset")
+  if (name == "beam.file" || name == "radar.preset")
     return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
     return std::string(
@@ -81,11 +82,8 @@ void set_parameter(const std::string& name, const ConfigNode& node, const FlagRu
   if (const std::string why = rules.why_not ? rules.why_not(*parameter) : ""; !why.empty())
     return complaints.add(where + ": " + why);
   const Slot slot = parameter->slot(radar);
-  const bool is_value = node.kind == ConfigNode::Kind::value;
-  auto error = is_value ? store(parameter->key, slot, node.value)
-                        : FieldError{name, node.found_text(), allowed_text(parameter->key, slot)};
-  if (error)
-    complaints.add(fmt::format("{}: found {}; allowed: {}", where, node.found_text(), error->allowed));
+  if (const auto error = store_node(parameter->key, slot, node))
+    complaints.add(fmt::format("{}: found {}; allowed: {}", where, error->found, error->allowed));
 }
 
 /// The first line that is neither empty nor a comment.

@@ -38,8 +38,10 @@ std::pair<std::string, std::string> parts_of(std::string_view key) {
 /// What is not there was there when the file was whole.
 void demand(bool is_there, const ConfigNode& table, const std::string& name, Complaints& complaints) {
   if (!is_there)
-    complaints.add(table.where,
-                   FieldError{name, "nothing", "a value: `obliq save` writes all; the file has been cut"});
+    complaints.add(
+        table.where,
+        FieldError{name, "nothing",
+                   "a value: `obliq save` writes all; the file has been cut, or an earlier obliq wrote it"});
 }
 
 void read_parameters(const ConfigNode& table, RadarConfig& config, Complaints& complaints) {

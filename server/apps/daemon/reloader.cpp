@@ -57,14 +57,10 @@ std::string scene_text(SceneConfig config) {
   return print_config(config);
 }
 
-/// What the file says of them, where it says something new.
-std::optional<net::PanelChange::OfSceneFile> of_scene_file(const RadarSettings& known,
-                                                           const RadarSettings& wanted) {
+bool same_pattern_file(const RadarSettings& known, const RadarSettings& wanted) {
   const PatternCuts* before = known.beam.file.get();
   const PatternCuts* now = wanted.beam.file.get();
-  const bool same_pattern = before == now || (before != nullptr && now != nullptr && *before == *now);
-  if (same_pattern && known.scan_bars_deg == wanted.scan_bars_deg) return std::nullopt;
-  return net::PanelChange::OfSceneFile{wanted.scan_bars_deg, wanted.beam.file};
+  return before == now || (before != nullptr && now != nullptr && *before == *now);
 }
 
 }  // namespace
@@ -201,11 +197,11 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
       text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +
               toml_text(change.settings.back().value);
     }
-    if (const auto of_file = of_scene_file(known->settings, wanted.radars[i].settings)) {
-      change.of_scene_file = of_file;
-      text += (text.empty() ? "" : ", ") + std::string("scan.bars and beam.file are as in the file");
+    if (!same_pattern_file(known->settings, of_file_now)) {
+      change.pattern_file = of_file_now.beam.file;
+      text += (text.empty() ? "" : ", ") + std::string("beam.file is as in the file");
     }
-    if (change.settings.empty() && !change.of_scene_file) continue;
+    if (change.settings.empty() && !change.pattern_file) continue;
     const net::PanelAnswer answer = server_->panel().apply(known->name, change);
     if (answer.verdict == net::PanelVerdict::done) {
       spdlog::info("radar {}: {}", known->name, text);

@@ -1,5 +1,7 @@
 #include "server/control/sections/radar.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <map>
 
@@ -18,9 +20,6 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-constexpr Limits kTilts = closed(-90, 90);
-constexpr std::size_t kMostBars = 16;
-
 const std::array kShortForms{
     special<RadarConfig>(
         "radar.preset", "", radar_preset_choices(), "",
@@ -36,9 +35,6 @@ const std::array kShortForms{
     special<RadarConfig>("frustum.pixels", "", closed(1, 16384),
                          "[columns, rows], or one integer; not beside pixel_columns and pixel_rows;",
                          "Sets pixel_columns and pixel_rows.", nullptr, nullptr, "2048", Change::live),
-    special<RadarConfig>("scan.bars", "deg", kTilts, "a list of up to 16 numbers,",
-                         "Elevations of the boresight, one a pass, in turn; empty: antenna.tilt_deg.",
-                         nullptr, nullptr, "[]", Change::reload),
     special<RadarConfig>("beam.file", "", kAny, "the path of a table cut,angle_deg,gain_db",
                          "What the patterns \"file\" are, by the cuts azimuth and elevation.", nullptr,
                          nullptr, "\"\"", Change::reload),
@@ -54,6 +50,16 @@ const std::array kMountRows{
     OfMount::row<&Mount::up_m>("mount.up_m", "m", kArm, "How far above it, in the platform's own axes."),
     OfMount::row<&Mount::look_deg>("mount.look_deg", "deg", closed(-360, 360),
                                    "Centre of the sector at the start, clockwise from the nose."),
+    OfMount::row<&Mount::gimbal, &GimbalLimits::azimuth_min_deg>(
+        "mount.azimuth_min_deg", "deg", closed(-180, 180),
+        "How far the gimbal turns to the left of where the mount looks."),
+    OfMount::row<&Mount::gimbal, &GimbalLimits::azimuth_max_deg>("mount.azimuth_max_deg", "deg",
+                                                                 closed(-180, 180), "And to the right."),
+    OfMount::row<&Mount::gimbal, &GimbalLimits::elevation_min_deg>(
+        "mount.elevation_min_deg", "deg", closed(-90, 90),
+        "How far it tilts down, against the platform's own level."),
+    OfMount::row<&Mount::gimbal, &GimbalLimits::elevation_max_deg>("mount.elevation_max_deg", "deg",
+                                                                   closed(-90, 90), "And up."),
 };
 
 /// What the scene says about a radar's frustum.
@@ -97,11 +103,9 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
   }
 }
 
-/// scan.bars and beam.file, which no message carries.
+/// beam.file, which no message carries.
 void read_special(SceneReading& scene, SectionReader& reader, RadarReading& radar) {
   RadarSettings& settings = radar.config.settings;
-  if (reader.full_name("bars") == "scan.bars" && reader.table().find("bars") != nullptr)
-    settings.scan_bars_deg = reader.numbers("bars", kTilts, 1, kMostBars);
   if (reader.full_name("file") != "beam.file") return;
   const ConfigNode* file = reader.take("file");
   if (file == nullptr) return;
@@ -153,6 +157,17 @@ void refuse_place(const ConfigNode& antenna, const PlatformConfig& platform, Com
       complaints.add(node.where, {"antenna." + node.key, "a place of its own",
                                   "tilt_deg and tilt_auto alone: the radar rides on platform " +
                                       toml_string(platform.name) + "; [mount] says where"});
+}
+
+/// Limits that leave the gimbal nothing.
+void check_gimbal(const ConfigNode& table, const GimbalLimits& gimbal, Complaints& complaints) {
+  const auto check = [&](std::string_view angle, double least, double most) {
+    if (least >= most)
+      complaints.add(table.where, {fmt::format("mount.{}_min_deg", angle), toml_number(least),
+                                   fmt::format("below mount.{}_max_deg, {}", angle, toml_number(most))});
+  };
+  check("azimuth", gimbal.azimuth_min_deg, gimbal.azimuth_max_deg);
+  check("elevation", gimbal.elevation_min_deg, gimbal.elevation_max_deg);
 }
 
 /// Gives a radar without a named frustum that of kDefaultQuality.
@@ -223,7 +238,10 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
         scene.complaints.add(found->where,
                              {"mount", "a radar that rides on nothing", "radar.platform beside it"});
       SectionReader reader(*found, std::string(name), scene.complaints);
-      if (name == "mount") read_keys(scene, reader, Keys<RadarConfig>{kMountRows}, name, radar.config);
+      if (name == "mount") {
+        read_keys(scene, reader, Keys<RadarConfig>{kMountRows}, name, radar.config);
+        check_gimbal(*found, radar.config.mount.gimbal, scene.complaints);
+      }
       read_parameters(reader, std::string(name), radar);
       read_special(scene, reader, radar);
       reader.finish();
@@ -267,8 +285,6 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
 std::string special_value(std::string_view name, const RadarConfig& radar) {
   const RadarSettings& settings = radar.settings;
   if (name == "radar.platform" && radar.platform) return toml_string(radar.platform->name);
-  if (name == "scan.bars" && !settings.scan_bars_deg.empty())
-    return toml_list(settings.scan_bars_deg, toml_number);
   if (name == "beam.file" && settings.beam.file) return toml_string(settings.beam.file->path.string());
   return {};
 }

@@ -162,6 +162,10 @@ const std::array kParameters{
     row<&RadarSettings::scan_dwell_bins>("scan.dwell_bins", "", closed(8, 8192), "scan_dwell_bins",
                                          {259, u16},
                                          "Azimuth bins rendered together from one pose; a multiple of 8."),
+    row<&RadarSettings::scan_bars_deg>(
+        "scan.bars", "deg", closed(-90, 90), "scan_bars", {},
+        "Elevations of the boresight, one a pass of a scan, in turn; empty: antenna.tilt_deg.",
+        {.knob = "bars"}),
 };
 
 }  // namespace

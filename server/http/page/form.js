@@ -16,6 +16,7 @@
  * @property {boolean} [not_ideal] other than by default, bins are more than an ideal map's echoes
  */
 
+const LIST = "list of numbers";
 const TURN_MS = 250; // after the wheel's last step
 
 /** The field of its message. */
@@ -36,6 +37,9 @@ function fault({ type, limits, allowed, unit }, text) {
   return isWrong ? `found ${text.trim() ? `${text} ${unit}`.trim() : "no number"}; allowed: ${allowed}` : "";
 }
 
+/** Those of a list: its message has one field. @param {any} value */
+const numbersIn = (value) => Object.values(value ?? {})[0] ?? [];
+
 /** The word of a choice's value; "" for one that this page does not know. */
 const wordOf = ({ enumerators }, value) => Object.keys(enumerators).find((word) => enumerators[word] === value) ?? "";
 
@@ -43,6 +47,7 @@ const wordOf = ({ enumerators }, value) => Object.keys(enumerators).find((word) 
 export function isDefault(parameter, value) {
   const { type, default: usual } = parameter;
   if (value === undefined) return true;
+  if (type === LIST) return String(numbersIn(value)) === String(usual);
   return type === "choice" ? wordOf(parameter, value) === usual : Number(value) === Number(usual);
 }
 
@@ -88,6 +93,9 @@ export class Field {
       for (const word of limits.one_of) input.add(new Option(word, word));
     } else if (type === "boolean") {
       input.type = "checkbox";
+    } else if (type === LIST) {
+      input.type = "text";
+      input.autocomplete = "off";
     } else {
       input.type = "number";
       input.step = type === "integer" ? "1" : "any";
@@ -116,6 +124,7 @@ export class Field {
     const { type } = this.parameter;
     if (type === "boolean") return value ? "on" : "off";
     if (type === "choice") return wordOf(this.parameter, value);
+    if (type === LIST) return numbersIn(value).join(", ");
     if (value === undefined) return "0";
     return type === "integer" ? String(value) : this.#rounded(Number(value));
   }
@@ -150,8 +159,10 @@ export class Field {
     const text = this.input.value;
     if (type === "boolean") return this.send(this.parameter, this.input.checked);
     if (type === "choice") return text && this.send(this.parameter, enumerators[text]);
-    this.refuse(fault(this.parameter, text));
+    const words = type === LIST ? text.split(/[\s,;]+/).filter(Boolean) : [text];
+    this.refuse(words.map((word) => fault(this.parameter, word)).find(Boolean) ?? "");
     if (this.refusal.textContent) return;
+    if (type === LIST) return this.send(this.parameter, { tilt_deg: words.map(Number) });
     // 64 bits go as text, which is exact.
     await this.send(this.parameter, type === "integer" && /^-?\d+$/.test(text) ? text : Number(text));
   }

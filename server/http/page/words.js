@@ -85,6 +85,7 @@ function paneSentences(app, pane) {
   const coverage = status?.coverage;
   if (coverage === 0) say(1, "Off the map: no file has ground where the radar looks.", "OFF THE MAP");
   if (info?.pose_stale) say(1, "The pose is stale: no newer one has arrived in time.", "STALE POSE");
+  if (info?.gimbal) say(1, `The antenna stands at its gimbal's limit: ${plain(info.gimbal)}.`, "GIMBAL LIMIT");
   if (info && number(info.rate_limit_hz)) say(0, `The operator limits this radar to ${number(info.rate_limit_hz)} frames/s.`);
   if (coverage !== undefined && coverage < LEAST_COVERAGE) {
     const percent = Math.min(99.9, 100 * coverage).toFixed(coverage > 0.99 ? 1 : 0);

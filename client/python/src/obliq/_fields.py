@@ -21,6 +21,16 @@ def hint(name: object, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
 
 
+def numbers_of(call: str, name: str, value: object) -> tuple[float, ...]:
+    """The values of a list, where all are finite numbers."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, collections.abc.Iterable):
+        raise TypeError(f"{call}() got {name}={value!r}; allowed: a sequence of numbers")
+    found = tuple(float(number(name, item)) for item in value)
+    if not all(map(math.isfinite, found)):
+        raise ValueError(f"{call}() got {name}={value!r}; allowed: finite numbers")
+    return found
+
+
 def number(name: str, value: object) -> float:
     """The value, where it is a number."""
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
@@ -88,6 +98,8 @@ class Fields:
             if not math.isfinite(float(value)):
                 raise ValueError(f"{call}() got {name}={value!r}; allowed: a finite number")
             return float(value)
+        if wanted.startswith("Sequence"):
+            return numbers_of(call, name, value)
         if not isinstance(value, str):
             raise TypeError(f"{call}() got {name}={value!r}; allowed: a text")
         return value
@@ -108,6 +120,11 @@ class Fields:
     def write(self, message: M) -> M:
         """Into a protobuf message. OverflowError of a number that does not fit becomes ValueError."""
         for name, value in self.as_dict().items():
+            if _types(type(self))[name].startswith("Sequence"):
+                list_of = getattr(message, name)
+                list_of.SetInParent()  # an empty list is one, too
+                getattr(list_of, list_of.DESCRIPTOR.fields[0].name)[:] = value
+                continue
             try:
                 setattr(message, name, self.choices[name][value] if name in self.choices else value)
             except (ValueError, OverflowError) as error:
@@ -122,6 +139,8 @@ class Fields:
             if not message.HasField(name):
                 continue
             value = getattr(message, name)
+            if isinstance(value, Message):
+                value = tuple(getattr(value, value.DESCRIPTOR.fields[0].name))
             if name in cls.choices:
                 value = next((text for text, number in cls.choices[name].items() if number == value), str(value))
             values[name] = value

@@ -1,6 +1,7 @@
 """The keywords that Settings and Pose take, for type checkers. Written by generate.py: do not edit."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, TypedDict
 
 
@@ -27,6 +28,7 @@ class SettingsFields(TypedDict, total=False):
     scan_mode: Literal["frame", "sector", "circular"] | None
     scan_rate_deg_s: float | None
     scan_dwell_bins: int | None
+    scan_bars: Sequence[float] | None
     beam_pattern: Literal["off", "gaussian", "uniform", "cosine", "taylor", "file"] | None
     beam_width_deg: float | None
     beam_sidelobe_db: float | None

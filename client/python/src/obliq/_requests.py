@@ -16,6 +16,7 @@ from .errors import Fault, UnknownRadar
 from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
 
+USUAL_RADAR = "main"  # of several, where none is named, as on the command line
 DEFAULT_PORT = 7420
 CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
 
@@ -67,7 +68,8 @@ class ServerInfo:
 class RadarInfo:
     """A radar as it is now. controller: which client holds its pose; empty: none; settings_controller: its settings.
     controlled_by_me, claimed_by_me: whether that is this client, and what it holds: "pose", "settings". fault: why no frame
-    can be rendered at present; empty: none. pose_stale: its pose's validity has run out."""
+    can be rendered at present; empty: none. pose_stale: its pose's validity has run out. gimbal: the limit that the
+    antenna stands at, in words; empty: it looks as asked."""
 
     radar: str
     settings: Settings
@@ -85,6 +87,7 @@ class RadarInfo:
     settings_controller: str
     claimed_by_me: tuple[str, ...]
     exercise_frozen: bool
+    gimbal: str
 
     @staticmethod
     def of(m: wire.RadarInfo) -> RadarInfo:
@@ -92,7 +95,8 @@ class RadarInfo:
         return RadarInfo(m.radar, Settings.read(m.settings), Pose.read(m.pose), m.settings_version, m.controller,
                          m.controlled_by_you, m.subscribers, m.rate_hz, m.fault, m.pose_stale, not m.transmit_off,
                          m.frozen, m.rate_limit_hz, m.settings_controller,
-                         tuple(name for name, kind in CLAIMS.items() if kind in m.claimed_by_you), m.exercise_frozen)
+                         tuple(name for name, kind in CLAIMS.items() if kind in m.claimed_by_you), m.exercise_frozen,
+                         m.gimbal)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -175,10 +179,12 @@ def read_token(token: str | None, token_file: str | os.PathLike[str] | None) -> 
 
 
 def radar_name(radars: Sequence[str], name: str | None, what: str = "radar") -> str:
-    """The only one, or the one of that name."""
+    """The one of that name; without a name the only one, or "main"."""
     if name is None:
         if len(radars) == 1:
             return radars[0]
+        if USUAL_RADAR in radars and what == "radar":
+            return USUAL_RADAR
         raise ValueError(f"{what}: the server has {len(radars)}" + (f"; name one of {', '.join(radars)}" if radars else ""))
     if name not in radars:
         raise UnknownRadar(101, f"unknown {what}" + hint(name, radars),

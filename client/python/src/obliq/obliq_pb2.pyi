@@ -621,13 +621,14 @@ class QueryGround(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., antenna: _Optional[_Union[Pose, _Mapping]] = ..., latitude_deg: _Optional[_Iterable[float]] = ..., longitude_deg: _Optional[_Iterable[float]] = ..., bearing_deg: _Optional[_Iterable[float]] = ..., range_m: _Optional[_Iterable[float]] = ..., height_m: _Optional[_Iterable[float]] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ...) -> None: ...
 
 class RadarInfo(_message.Message):
-    __slots__ = ["claimed_by_you", "controlled_by_you", "controller", "exercise_frozen", "fault", "frozen", "late_poses", "platform", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "riders", "settings", "settings_controller", "settings_version", "subscribers", "transmit_off"]
+    __slots__ = ["claimed_by_you", "controlled_by_you", "controller", "exercise_frozen", "fault", "frozen", "gimbal", "late_poses", "platform", "pose", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "request_id", "riders", "settings", "settings_controller", "settings_version", "subscribers", "transmit_off"]
     CLAIMED_BY_YOU_FIELD_NUMBER: _ClassVar[int]
     CONTROLLED_BY_YOU_FIELD_NUMBER: _ClassVar[int]
     CONTROLLER_FIELD_NUMBER: _ClassVar[int]
     EXERCISE_FROZEN_FIELD_NUMBER: _ClassVar[int]
     FAULT_FIELD_NUMBER: _ClassVar[int]
     FROZEN_FIELD_NUMBER: _ClassVar[int]
+    GIMBAL_FIELD_NUMBER: _ClassVar[int]
     LATE_POSES_FIELD_NUMBER: _ClassVar[int]
     PLATFORM_FIELD_NUMBER: _ClassVar[int]
     POSE_FIELD_NUMBER: _ClassVar[int]
@@ -648,6 +649,7 @@ class RadarInfo(_message.Message):
     exercise_frozen: bool
     fault: str
     frozen: bool
+    gimbal: str
     late_poses: int
     platform: str
     pose: Pose
@@ -662,7 +664,7 @@ class RadarInfo(_message.Message):
     settings_version: int
     subscribers: int
     transmit_off: bool
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., controller: _Optional[str] = ..., controlled_by_you: bool = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., fault: _Optional[str] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., claimed_by_you: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., exercise_frozen: bool = ..., platform: _Optional[str] = ..., riders: _Optional[_Iterable[str]] = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., controller: _Optional[str] = ..., controlled_by_you: bool = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., fault: _Optional[str] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., claimed_by_you: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., exercise_frozen: bool = ..., platform: _Optional[str] = ..., riders: _Optional[_Iterable[str]] = ..., gimbal: _Optional[str] = ...) -> None: ...
 
 class RadarList(_message.Message):
     __slots__ = ["platforms", "radars", "request_id"]
@@ -675,7 +677,7 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ..., platforms: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_stabilised", "beam_width_deg", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
+    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_stabilised", "beam_width_deg", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_bars", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
     ADC_BITS_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_TEMPERATURE_K_FIELD_NUMBER: _ClassVar[int]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -720,6 +722,7 @@ class RadarSettings(_message.Message):
     RECEIVER_GAIN_DB_FIELD_NUMBER: _ClassVar[int]
     R_MAX_M_FIELD_NUMBER: _ClassVar[int]
     R_MIN_M_FIELD_NUMBER: _ClassVar[int]
+    SCAN_BARS_FIELD_NUMBER: _ClassVar[int]
     SCAN_DWELL_BINS_FIELD_NUMBER: _ClassVar[int]
     SCAN_MODE_FIELD_NUMBER: _ClassVar[int]
     SCAN_RATE_DEG_S_FIELD_NUMBER: _ClassVar[int]
@@ -778,6 +781,7 @@ class RadarSettings(_message.Message):
     range_bins: int
     range_normalisation: bool
     receiver_gain_db: float
+    scan_bars: ScanBars
     scan_dwell_bins: int
     scan_mode: ScanMode
     scan_rate_deg_s: float
@@ -792,7 +796,7 @@ class RadarSettings(_message.Message):
     video_floor_db: float
     video_looks: int
     video_span_db: float
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., beam_stabilised: bool = ..., ftc_us: _Optional[float] = ...) -> None: ...
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., scan_bars: _Optional[_Union[ScanBars, _Mapping]] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., beam_stabilised: bool = ..., ftc_us: _Optional[float] = ...) -> None: ...
 
 class RadarState(_message.Message):
     __slots__ = ["frozen", "pose", "radar", "rate_limit_hz", "settings", "transmit_off"]
@@ -811,7 +815,7 @@ class RadarState(_message.Message):
     def __init__(self, radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ...) -> None: ...
 
 class RadarStatus(_message.Message):
-    __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "last_render_s", "late_poses", "live_bytes", "live_frames", "platform", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_controller", "settings_version", "subscribers", "transmit_off"]
+    __slots__ = ["controller", "coverage", "coverage_reason", "dwells_missed", "fault", "frames", "frames_shed", "frames_skipped", "frozen", "gimbal", "last_render_s", "late_poses", "live_bytes", "live_frames", "platform", "pose_stale", "radar", "rate_hz", "rate_limit_hz", "settings_controller", "settings_version", "subscribers", "transmit_off"]
     CONTROLLER_FIELD_NUMBER: _ClassVar[int]
     COVERAGE_FIELD_NUMBER: _ClassVar[int]
     COVERAGE_REASON_FIELD_NUMBER: _ClassVar[int]
@@ -821,6 +825,7 @@ class RadarStatus(_message.Message):
     FRAMES_SHED_FIELD_NUMBER: _ClassVar[int]
     FRAMES_SKIPPED_FIELD_NUMBER: _ClassVar[int]
     FROZEN_FIELD_NUMBER: _ClassVar[int]
+    GIMBAL_FIELD_NUMBER: _ClassVar[int]
     LAST_RENDER_S_FIELD_NUMBER: _ClassVar[int]
     LATE_POSES_FIELD_NUMBER: _ClassVar[int]
     LIVE_BYTES_FIELD_NUMBER: _ClassVar[int]
@@ -843,6 +848,7 @@ class RadarStatus(_message.Message):
     frames_shed: int
     frames_skipped: int
     frozen: bool
+    gimbal: str
     last_render_s: float
     late_poses: int
     live_bytes: int
@@ -856,7 +862,7 @@ class RadarStatus(_message.Message):
     settings_version: int
     subscribers: int
     transmit_off: bool
-    def __init__(self, radar: _Optional[str] = ..., controller: _Optional[str] = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., frames: _Optional[int] = ..., last_render_s: _Optional[float] = ..., settings_version: _Optional[int] = ..., fault: _Optional[str] = ..., live_frames: _Optional[int] = ..., live_bytes: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., frames_shed: _Optional[int] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., dwells_missed: _Optional[int] = ..., coverage: _Optional[float] = ..., coverage_reason: _Optional[str] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., platform: _Optional[str] = ...) -> None: ...
+    def __init__(self, radar: _Optional[str] = ..., controller: _Optional[str] = ..., subscribers: _Optional[int] = ..., rate_hz: _Optional[float] = ..., frames: _Optional[int] = ..., last_render_s: _Optional[float] = ..., settings_version: _Optional[int] = ..., fault: _Optional[str] = ..., live_frames: _Optional[int] = ..., live_bytes: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., frames_shed: _Optional[int] = ..., pose_stale: bool = ..., late_poses: _Optional[int] = ..., dwells_missed: _Optional[int] = ..., coverage: _Optional[float] = ..., coverage_reason: _Optional[str] = ..., transmit_off: bool = ..., frozen: bool = ..., rate_limit_hz: _Optional[float] = ..., settings_controller: _Optional[str] = ..., platform: _Optional[str] = ..., gimbal: _Optional[str] = ...) -> None: ...
 
 class ReleaseControl(_message.Message):
     __slots__ = ["kinds", "radar", "request_id"]
@@ -925,6 +931,12 @@ class ResetExercise(_message.Message):
     radar: str
     request_id: int
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
+
+class ScanBars(_message.Message):
+    __slots__ = ["tilt_deg"]
+    TILT_DEG_FIELD_NUMBER: _ClassVar[int]
+    tilt_deg: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, tilt_deg: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class ScanPass(_message.Message):
     __slots__ = ["begin_ns", "clockwise", "dwell_bins", "mode", "rate_deg_s"]

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 from ._fields import Fields
@@ -49,6 +50,8 @@ class Settings(Fields):
     scan_rate_deg_s: Turning rate of the antenna; 36 is 6 turns per minute. A pass over the sector takes 10 ms to 60 s.
         Allowed: number 0.1 to 7200 deg/s.
     scan_dwell_bins: Azimuth bins rendered together from one pose; a multiple of 8. Allowed: integer 8 to 8192.
+    scan_bars: Elevations of the boresight, one a pass of a scan, in turn; empty: antenna.tilt_deg. Allowed: a list of up to
+        16 numbers, -90 to 90 deg.
     beam_pattern: The antenna's pattern in azimuth; off: each azimuth bin sees its own ground alone. Allowed: "off" |
         "gaussian" | "uniform" | "cosine" | "taylor" | "file".
     beam_width_deg: One-way half-power beamwidth in azimuth. Allowed: number 0.05 to 90 deg.
@@ -121,6 +124,7 @@ class Settings(Fields):
     scan_mode: Literal["frame", "sector", "circular"] | None = None
     scan_rate_deg_s: float | None = None
     scan_dwell_bins: int | None = None
+    scan_bars: Sequence[float] | None = None
     beam_pattern: Literal["off", "gaussian", "uniform", "cosine", "taylor", "file"] | None = None
     beam_width_deg: float | None = None
     beam_sidelobe_db: float | None = None
@@ -248,6 +252,7 @@ Settings.keys = {
     "scan.mode": "scan_mode",
     "scan.rate_deg_s": "scan_rate_deg_s",
     "scan.dwell_bins": "scan_dwell_bins",
+    "scan.bars": "scan_bars",
     "beam.pattern": "beam_pattern",
     "beam.width_deg": "beam_width_deg",
     "beam.sidelobe_db": "beam_sidelobe_db",
