@@ -95,7 +95,8 @@ std::string platform_page() {
          "once. Its `[antenna]` has `tilt_deg` and `tilt_auto` alone; `[mount]` (or "
          "`[radar.mount]`)\nsays where it is fixed, in the platform's own axes, which roll, pitch and "
          "heading turn. The antenna itself is held level "
-         "unless `beam.stabilised` is false.\nIts gimbal may have limits: what is asked beyond them is kept, the "
+         "unless `beam.stabilised` is false.\nIts gimbal may have limits: what is asked beyond them is kept, "
+         "the "
          "antenna stands at the limit, and RadarInfo, `obliq status` and the page say so.\n\n" +
          std::string(kSceneHeader) + rows(KeyGroup::short_form, "mount.") + rows(KeyGroup::list, "platform.");
 }

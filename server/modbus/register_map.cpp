@@ -126,6 +126,8 @@ const std::array kDiscrete{
          "A client of the stream holds the pose; apply of the antenna's other setpoints returns busy "
          "(06), and a bearing counts from the platform's heading."},
         [](const View& v) { return !v.radar.controller.empty(); }},
+    DiscreteInput{{"gimbal_limit", "The antenna stands at its gimbal's limit, short of what is asked."},
+                  [](const View& v) { return v.radar.at_gimbal_limit; }},
 };
 
 const Setpoint kRate{230,    u16,

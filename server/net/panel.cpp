@@ -206,7 +206,9 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   status.transmit = radar.transmit;
   status.frozen = radar.frozen;
   status.exercise_frozen = room_.exercise().is_frozen();
-  status.pose_stale = radar.poses->at(monotonic_ns()).stale;
+  const PoseAt now_at = radar.poses->at(monotonic_ns());
+  status.pose_stale = now_at.stale;
+  status.at_gimbal_limit = !limit_met(radar.initial.mount, settings->settings, now_at.pose).empty();
   if (const Peer* flyer = radar.claims.holder(wire::Claim::pose)) status.controller = flyer->name;
   if (const Peer* hand = radar.claims.holder(wire::Claim::settings)) status.settings_controller = hand->name;
   status.faults = radar.faults;

@@ -30,6 +30,7 @@ struct PanelStatus {
   bool frozen = false;
   bool exercise_frozen = false;  ///< all radars are
   bool pose_stale = false;
+  bool at_gimbal_limit = false;
   std::string controller;           ///< the client that holds its pose; empty: none
   std::string settings_controller;  ///< and its settings
   std::vector<FieldError> faults;   ///< why it cannot be rendered as it is

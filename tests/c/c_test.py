@@ -83,7 +83,7 @@ def check_program(programs, address):
         "rendered main 8 96 bearing 75 planes 10001", f"iq {fnv1a(rendered.iq.tobytes())}", "silence 1",
         f"ground 1 {height_m:.3f} seen ",
         "no bookmark: outcome 1, error 0: text: found 0 bytes; allowed: 1 to 1000 bytes of text without control characters",
-        "from C by c of .", "events 5", "no replay: outcome 6, error 126: ", "unknown radar: outcome 6, error 101: "]
+        "from C by c of .", "events 7", "no replay: outcome 6, error 126: ", "unknown radar: outcome 6, error 101: "]
     for k, line in enumerate(wanted):
         if k >= len(found) or not found[k].startswith(line):
             sys.exit(f"c_client: line {k}: found {found[k] if k < len(found) else 'nothing'!r}; expected {line!r}\n{ran.stdout}{ran.stderr}")

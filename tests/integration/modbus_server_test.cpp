@@ -176,7 +176,7 @@ TEST_F(Modbus, UnknownAddressesUnitsAndFunctionsHaveTheirExceptions) {
   EXPECT_EQ(exception_of(master.ask({4, 0, 50, 0, 1})), 2);         // a gap
   EXPECT_EQ(exception_of(master.ask({3, 0xFF, 0xFF, 0, 125})), 2);  // past the end
   EXPECT_EQ(exception_of(master.ask({1, 0, 0, 0, 8})), 2);
-  EXPECT_EQ(exception_of(master.ask({2, 0, 0, 0, 10})), 2);
+  EXPECT_EQ(exception_of(master.ask({2, 0, 0, 0, 11})), 2);
   EXPECT_EQ(master.coil(7, true), 2);
   EXPECT_EQ(master.write(209, {1}), 2);
   for (const std::uint8_t function : Octets{0, 7, 8, 11, 17, 20, 24, 43, 127}) {

@@ -183,6 +183,9 @@ TEST_F(Ship, AGimbalsLimitIsSaidAndHoldsTheAntennaUntilItLooksBack) {
   ASSERT_TRUE(is_ok(hand.get_status(status)));
   EXPECT_EQ(status.radars(1).gimbal(), limit);
   EXPECT_EQ(status.radars(0).gimbal(), "");
+  server.panel().change(0, {}, std::chrono::seconds(20));  // makes new snapshots
+  EXPECT_TRUE(server.panel().status(1)->at_gimbal_limit);
+  EXPECT_FALSE(server.panel().status(0)->at_gimbal_limit);
 
   const auto seen = [&] {
     client::FrameAssembler frames;

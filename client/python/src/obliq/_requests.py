@@ -16,7 +16,6 @@ from .errors import Fault, UnknownRadar
 from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
 
-USUAL_RADAR = "main"  # of several, where none is named, as on the command line
 DEFAULT_PORT = 7420
 CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
 
@@ -179,12 +178,10 @@ def read_token(token: str | None, token_file: str | os.PathLike[str] | None) -> 
 
 
 def radar_name(radars: Sequence[str], name: str | None, what: str = "radar") -> str:
-    """The one of that name; without a name the only one, or "main"."""
+    """The only one, or the one of that name."""
     if name is None:
         if len(radars) == 1:
             return radars[0]
-        if USUAL_RADAR in radars and what == "radar":
-            return USUAL_RADAR
         raise ValueError(f"{what}: the server has {len(radars)}" + (f"; name one of {', '.join(radars)}" if radars else ""))
     if name not in radars:
         raise UnknownRadar(101, f"unknown {what}" + hint(name, radars),
