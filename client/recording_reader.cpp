@@ -81,7 +81,7 @@ Status RecordingReader::open(const std::string& path, std::unique_ptr<RecordingR
   auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
   if (!*file)
     return Status::failure(Outcome::bad_argument,
-                           path + ": cannot be read: " + std::system_category().message(errno));
+                           path + ": cannot be read: " + std::generic_category().message(errno));
   out = std::make_unique<RecordingReader>(std::move(file));
   return {};
 }

@@ -1,61 +1,41 @@
 #include "client/recording_writer.h"
 
-#include <fcntl.h>
-#include <sys/uio.h>
-#include <unistd.h>
-
-#include <array>
 #include <cerrno>
 #include <system_error>
 #include <utility>
 
+#include "client/system_file.h"
+
 namespace obliq::client {
 namespace {
 
-std::string reason(int error) { return std::system_category().message(error); }
-
-// 0, or the error that stopped it.
-int write_all(int fd, std::span<const std::byte> first, std::span<const std::byte> second) {
-  while (!first.empty() || !second.empty()) {
-    std::array<iovec, 2> parts{iovec{const_cast<std::byte*>(first.data()), first.size()},
-                               iovec{const_cast<std::byte*>(second.data()), second.size()}};
-    const ssize_t n = ::writev(fd, parts.data(), static_cast<int>(parts.size()));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return n < 0 ? errno : ENOSPC;
-    const auto written = static_cast<std::size_t>(n);
-    const std::size_t of_first = std::min(written, first.size());
-    first = first.subspan(of_first);
-    second = second.subspan(written - of_first);
-  }
-  return 0;
-}
+std::string reason(int error) { return std::generic_category().message(error); }
 
 }  // namespace
 
 RecordingWriter::~RecordingWriter() {
-  if (fd_ >= 0) ::close(fd_);
+  if (fd_ >= 0) (void)close_file(fd_);
 }
 
 Status RecordingWriter::open(const std::string& path, bool overwrite) {
   path_ = path;
   bytes_ = 0;
-  constexpr mode_t kMode = 0644;
-  const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (overwrite ? O_TRUNC : O_EXCL);
-  fd_ = ::open(path.c_str(), flags, kMode);
+  int error = 0;
+  fd_ = create_file(path, overwrite, error);
   if (fd_ >= 0) return {};
-  if (errno == EEXIST) return Status::failure(Outcome::bad_argument, path + ": exists already");
-  return Status::failure(Outcome::bad_argument, path + ": cannot be made: " + reason(errno));
+  if (error == EEXIST) return Status::failure(Outcome::bad_argument, path + ": exists already");
+  return Status::failure(Outcome::bad_argument, path + ": cannot be made: " + reason(error));
 }
 
 Status RecordingWriter::write(std::span<const std::byte> header, std::span<const std::byte> payload) {
   if (fd_ < 0) return Status::failure(Outcome::bad_argument, path_ + ": not open");
-  const int error = write_all(fd_, header, payload);
+  const int error = append_to_file(fd_, header, payload);
   if (error == 0) {
     bytes_ += header.size() + payload.size();
     return {};
   }
-  const bool valid = ::ftruncate(fd_, static_cast<off_t>(bytes_)) == 0;
-  ::close(std::exchange(fd_, -1));
+  const bool valid = cut_file(fd_, bytes_);
+  (void)close_file(std::exchange(fd_, -1));
   return Status::failure(Outcome::bad_argument, path_ + ": cannot be written: " + reason(error) +
                                                     "; it holds the " + std::to_string(bytes_) +
                                                     " bytes of whole messages until then" +
@@ -64,9 +44,9 @@ Status RecordingWriter::write(std::span<const std::byte> header, std::span<const
 
 Status RecordingWriter::close() {
   if (fd_ < 0) return {};
-  // What is no file (a pipe, a device) has nothing to wait for.
-  int error = ::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS ? errno : 0;
-  if (::close(std::exchange(fd_, -1)) != 0 && error == 0) error = errno;
+  int error = flush_file(fd_);
+  const int of_close = close_file(std::exchange(fd_, -1));
+  if (error == 0) error = of_close;
   if (error == 0) return {};
   return Status::failure(Outcome::bad_argument, path_ + ": cannot be written: " + reason(error));
 }

@@ -1,18 +1,8 @@
 #include "client/socket.h"
 
-#include <fcntl.h>
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <charconv>
-#include <cstring>
+#include <chrono>
 #include <memory>
-#include <system_error>
 #include <utility>
 
 #include "proto/limits.h"
@@ -21,79 +11,17 @@ namespace obliq::client {
 
 namespace {
 
-std::string reason(int error) { return std::system_category().message(error); }
-
-// Poll for what is left of the time, however often a signal interrupts it.
-int poll_until(int fd, short events, Timeout timeout) {
-  const auto end = std::chrono::steady_clock::now() + timeout;
-  for (;;) {
-    const auto left = std::chrono::ceil<Timeout>(end - std::chrono::steady_clock::now());
-    pollfd entry{fd, events, 0};
-    const int n = ::poll(&entry, 1, static_cast<int>(std::max<Timeout::rep>(left.count(), 0)));
-    if (n >= 0 || errno != EINTR) return n;
-  }
-}
-
-// Where nothing listens on a port of the range that outgoing connections take theirs from, TCP may connect a
-// socket to itself (RFC 793, simultaneous open). Who tries again and again meets that sooner or later.
-bool is_own_peer(int fd) {
-  sockaddr_storage own{};
-  sockaddr_storage peer{};
-  socklen_t own_size = sizeof own;
-  socklen_t peer_size = sizeof peer;
-  return ::getsockname(fd, reinterpret_cast<sockaddr*>(&own), &own_size) == 0 &&
-         ::getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &peer_size) == 0 && own_size == peer_size &&
-         std::memcmp(&own, &peer, own_size) == 0;
-}
-
-Status connect_to(const addrinfo& address, Timeout timeout, int& fd) {
-  fd = ::socket(address.ai_family, address.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address.ai_protocol);
-  if (fd < 0) return Status::failure(Outcome::cannot_connect, reason(errno));
-  int error = 0;
-  if (::connect(fd, address.ai_addr, address.ai_addrlen) != 0) {
-    error = errno;
-    if (error == EINPROGRESS) {
-      error = 0;
-      if (poll_until(fd, POLLOUT, timeout) == 0) {
-        error = ETIMEDOUT;
-      } else {
-        socklen_t size = sizeof error;
-        if (::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size) != 0) error = errno;
-      }
-    }
-  }
-  if (error == 0 && is_own_peer(fd)) error = ECONNREFUSED;
-  if (error == 0) {
-    // Requests are small and each waits for its answer; without this they would wait for one another too.
-    const int on = 1;
-    (void)::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    // A server whose machine has gone is noticed after a minute, also by a client that only waits (tcp(7)).
-    const int idle_s = 30;
-    const int interval_s = 10;
-    const int probes = 3;
-    const unsigned user_timeout_ms = 60000;
-    (void)::setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
-    (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
-    (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &interval_s, sizeof interval_s);
-    (void)::setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
-    (void)::setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &user_timeout_ms, sizeof user_timeout_ms);
-    return {};
-  }
-  ::close(fd);
-  fd = -1;
-  return Status::failure(Outcome::cannot_connect, reason(error));
-}
-
 constexpr std::string_view kThisMachine = "127.0.0.1";
 
 }  // namespace
 
 Socket::~Socket() { close(); }
-Socket::Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)), tls_(std::move(other.tls_)) {}
+Socket::Socket(Socket&& other) noexcept
+    : socket_(std::exchange(other.socket_, kNoSocket)), tls_(std::move(other.tls_)) {}
 Socket& Socket::operator=(Socket&& other) noexcept {
   if (this != &other) {
     close();
-    fd_ = std::exchange(other.fd_, -1);
+    socket_ = std::exchange(other.socket_, kNoSocket);
     tls_ = std::move(other.tls_);
   }
   return *this;
@@ -101,39 +29,34 @@ Socket& Socket::operator=(Socket&& other) noexcept {
 
 void Socket::close() {
   tls_.reset();
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
+  if (is_open()) close_socket(socket_);
+  socket_ = kNoSocket;
 }
 
 Status Socket::connect(const Endpoint& endpoint, Timeout timeout, Socket& out) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int code =
-      ::getaddrinfo(endpoint.host.c_str(), std::to_string(endpoint.port).c_str(), &hints, &found);
-  if (code != 0)
-    return Status::failure(Outcome::cannot_connect, endpoint.text() + ": " + ::gai_strerror(code));
-  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, ::freeaddrinfo);
-  Status last = Status::failure(Outcome::cannot_connect, "no address");
-  for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
-    int fd = -1;
-    last = connect_to(*address, timeout, fd);
-    if (last.ok()) {
-      out.close();
-      out.fd_ = fd;
-      return last;
-    }
+  SocketHandle made = kNoSocket;
+  Status status = connect_socket(endpoint.host, endpoint.port, timeout, made);
+  if (status.ok()) {
+    out.close();
+    out.socket_ = made;
+  } else {
+    status.text = "cannot connect to " + endpoint.text() + ": " + status.text;
   }
-  last.text = "cannot connect to " + endpoint.text() + ": " + last.text;
-  return last;
+  return status;
 }
 
-Status Socket::wait(short events, Timeout timeout) {
-  if (fd_ < 0) return Status::failure(Outcome::closed, "not connected");
-  const int n = poll_until(fd_, events, timeout);
-  if (n > 0) return {};
-  if (n == 0) return Status::failure(Outcome::timed_out, "the server did not answer in time");
-  return Status::failure(Outcome::closed, reason(errno));
+Status Socket::wait(Readiness what, Timeout timeout) {
+  if (!is_open()) return Status::failure(Outcome::closed, "not connected");
+  int error = 0;
+  switch (await_socket(socket_, what, timeout, error)) {
+    case Awaited::ready:
+      return {};
+    case Awaited::timed_out:
+      return Status::failure(Outcome::timed_out, "the server did not answer in time");
+    case Awaited::failed:
+      break;
+  }
+  return Status::failure(Outcome::closed, socket_error_text(error));
 }
 
 Status Socket::wait_for(const Progress& progress, Timeout timeout) {
@@ -141,9 +64,9 @@ Status Socket::wait_for(const Progress& progress, Timeout timeout) {
     case Progress::Kind::moved:
       return {};
     case Progress::Kind::wants_read:
-      return wait(POLLIN, timeout);
+      return wait(Readiness::readable, timeout);
     case Progress::Kind::wants_write:
-      return wait(POLLOUT, timeout);
+      return wait(Readiness::writable, timeout);
     case Progress::Kind::ended:
       return Status::failure(Outcome::closed, "the server has closed the connection");
     case Progress::Kind::failed:
@@ -154,7 +77,7 @@ Status Socket::wait_for(const Progress& progress, Timeout timeout) {
 
 Status Socket::start_tls(const std::string& host, const TlsOptions& options, Timeout timeout) {
   std::string failure;
-  tls_ = Tls::make(fd_, host, options, failure);
+  tls_ = Tls::make(socket_, host, options, failure);
   if (!tls_) return Status::failure(Outcome::bad_argument, failure);
   const auto end = std::chrono::steady_clock::now() + timeout;
   for (;;) {
@@ -174,7 +97,7 @@ std::vector<std::byte> Socket::give_up_tls() {
 }
 
 Status Socket::wait_readable(Timeout timeout) {
-  if (!tls_) return wait(POLLIN, timeout);
+  if (!tls_) return wait(Readiness::readable, timeout);
   // What arrives may be TLS's own business: only decrypted bytes count.
   const auto end = std::chrono::steady_clock::now() + timeout;
   for (;;) {
@@ -189,19 +112,19 @@ Status Socket::wait_readable(Timeout timeout) {
 
 Progress Socket::write_some(std::span<const std::byte> bytes) {
   if (tls_) return tls_->write(bytes);
-  const ssize_t n = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-  if (n >= 0) return {Progress::Kind::moved, static_cast<std::size_t>(n)};
-  if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) return {Progress::Kind::wants_write};
-  return {Progress::Kind::failed, 0, reason(errno)};
+  const Transfer sent = send_bytes(socket_, bytes);
+  if (sent.bytes >= 0) return {Progress::Kind::moved, static_cast<std::size_t>(sent.bytes)};
+  if (sent.may_retry()) return {Progress::Kind::wants_write};
+  return {Progress::Kind::failed, 0, socket_error_text(sent.error)};
 }
 
 Progress Socket::read_some(std::span<std::byte> bytes) {
   if (tls_) return tls_->read(bytes);
-  const ssize_t n = ::recv(fd_, bytes.data(), bytes.size(), 0);
-  if (n > 0) return {Progress::Kind::moved, static_cast<std::size_t>(n)};
-  if (n == 0) return {Progress::Kind::ended};
-  if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) return {Progress::Kind::wants_read};
-  return {Progress::Kind::failed, 0, reason(errno)};
+  const Transfer received = receive_bytes(socket_, bytes);
+  if (received.bytes > 0) return {Progress::Kind::moved, static_cast<std::size_t>(received.bytes)};
+  if (received.bytes == 0) return {Progress::Kind::ended};
+  if (received.may_retry()) return {Progress::Kind::wants_read};
+  return {Progress::Kind::failed, 0, socket_error_text(received.error)};
 }
 
 Status Socket::send(std::span<const std::byte> bytes, Timeout timeout) {

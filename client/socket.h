@@ -1,5 +1,4 @@
 #pragma once
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,11 +9,10 @@
 #include <vector>
 
 #include "client/status.h"
+#include "client/system_socket.h"
 #include "client/tls.h"
 
 namespace obliq::client {
-
-using Timeout = std::chrono::milliseconds;
 
 struct Endpoint {
   std::string host;
@@ -52,17 +50,17 @@ class Socket {
   /// Waits until a byte can be read or the peer has closed; timed_out when neither happens.
   Status wait_readable(Timeout timeout);
 
-  bool is_open() const { return fd_ >= 0; }
+  bool is_open() const { return socket_ != kNoSocket; }
   void close();
 
  private:
-  Status wait(short events, Timeout timeout);
+  Status wait(Readiness what, Timeout timeout);
   Progress write_some(std::span<const std::byte> bytes);
   Progress read_some(std::span<std::byte> bytes);
   /// After progress that moved nothing: waits until there may be some, or says why there will be none.
   Status wait_for(const Progress& progress, Timeout timeout);
 
-  int fd_ = -1;
+  SocketHandle socket_ = kNoSocket;
   std::unique_ptr<Tls> tls_;  ///< null: plain
 };
 

@@ -1,15 +1,11 @@
 #include "client/tls.h"
 
-#include <arpa/inet.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
-#include <sys/socket.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <climits>
-#include <system_error>
 #include <utility>
 
 namespace obliq::client {
@@ -22,41 +18,41 @@ constexpr std::size_t kRecordHeaderBytes = 5;
 
 /// OpenSSL's own socket BIO writes without MSG_NOSIGNAL: a server that leaves would end the whole program.
 struct Wire {
-  int fd = -1;
+  SocketHandle socket = kNoSocket;
   bool ended = false;
   int error = 0;
   std::vector<std::byte> first_bytes;
 };
 
-bool may_retry(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
-
 int wire_write(BIO* bio, const char* data, int size) {
   Wire& wire = *static_cast<Wire*>(BIO_get_data(bio));
   BIO_clear_retry_flags(bio);
-  const ssize_t n = ::send(wire.fd, data, static_cast<std::size_t>(size), MSG_NOSIGNAL);
-  if (n < 0 && may_retry(errno)) {
+  const Transfer sent =
+      send_bytes(wire.socket, std::as_bytes(std::span(data, static_cast<std::size_t>(size))));
+  if (sent.may_retry()) {
     BIO_set_retry_write(bio);
-  } else if (n < 0) {
-    wire.error = errno;
+  } else if (sent.bytes < 0) {
+    wire.error = sent.error;
   }
-  return static_cast<int>(n);
+  return static_cast<int>(sent.bytes);
 }
 
 int wire_read(BIO* bio, char* data, int size) {
   Wire& wire = *static_cast<Wire*>(BIO_get_data(bio));
   BIO_clear_retry_flags(bio);
-  const ssize_t n = ::recv(wire.fd, data, static_cast<std::size_t>(size), 0);
-  if (n < 0 && may_retry(errno)) {
+  const std::span room = std::as_writable_bytes(std::span(data, static_cast<std::size_t>(size)));
+  const Transfer received = receive_bytes(wire.socket, room);
+  if (received.may_retry()) {
     BIO_set_retry_read(bio);
-  } else if (n < 0) {
-    wire.error = errno;
-  } else if (n == 0) {
+  } else if (received.bytes < 0) {
+    wire.error = received.error;
+  } else if (received.bytes == 0) {
     wire.ended = true;
   } else if (wire.first_bytes.size() < kRecordHeaderBytes) {
-    const auto* bytes = reinterpret_cast<const std::byte*>(data);
-    wire.first_bytes.insert(wire.first_bytes.end(), bytes, bytes + n);
+    const auto bytes = room.first(static_cast<std::size_t>(received.bytes));
+    wire.first_bytes.insert(wire.first_bytes.end(), bytes.begin(), bytes.end());
   }
-  return static_cast<int>(n);
+  return static_cast<int>(received.bytes);
 }
 
 long wire_control(BIO* bio, int command, long, void*) {
@@ -82,11 +78,6 @@ std::string openssl_reason() {
   return reason == nullptr ? "TLS failed" : reason;
 }
 
-bool is_address(const std::string& host) {
-  in6_addr any{};
-  return ::inet_pton(AF_INET, host.c_str(), &any) == 1 || ::inet_pton(AF_INET6, host.c_str(), &any) == 1;
-}
-
 struct FreeContext {
   void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
 };
@@ -106,11 +97,11 @@ struct Tls::State {
 Tls::Tls(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Tls::~Tls() = default;
 
-std::unique_ptr<Tls> Tls::make(int fd, const std::string& host, const TlsOptions& options,
+std::unique_ptr<Tls> Tls::make(SocketHandle socket, const std::string& host, const TlsOptions& options,
                                std::string& failure) {
   ERR_clear_error();
   auto state = std::make_unique<State>();
-  state->wire.fd = fd;
+  state->wire.socket = socket;
   state->host = host;
   state->context.reset(SSL_CTX_new(TLS_client_method()));
   SSL_CTX* context = state->context.get();
@@ -157,7 +148,7 @@ Progress Tls::progress(int result) {
     case SSL_ERROR_ZERO_RETURN:
       return {Kind::ended};
     default:
-      if (wire.error != 0) return {Kind::failed, 0, std::system_category().message(wire.error)};
+      if (wire.error != 0) return {Kind::failed, 0, socket_error_text(wire.error)};
       if (wire.ended) return {Kind::ended};
       return {Kind::failed, 0, openssl_reason()};
   }

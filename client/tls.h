@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "client/system_socket.h"
+
 namespace obliq::client {
 
 struct TlsOptions {
@@ -25,7 +27,7 @@ struct Progress {
 class Tls {
  public:
   /// Null when the ca_file is no such file: the reason is then in `failure`.
-  static std::unique_ptr<Tls> make(int fd, const std::string& host, const TlsOptions& options,
+  static std::unique_ptr<Tls> make(SocketHandle socket, const std::string& host, const TlsOptions& options,
                                    std::string& failure);
   ~Tls();
   Tls(const Tls&) = delete;

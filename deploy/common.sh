@@ -47,6 +47,23 @@ python_with() {
   return 1
 }
 
+# debian_sources DIR PACKAGE...: Debian's source packages into DIR/src, from the archive that this machine's apt is set up with and
+# without a change to its lists.
+debian_sources() {
+  local work=$1 apt=$1/apt
+  shift
+  mkdir -p "$work/src" "$apt"/{lists/partial,cache/archives/partial}
+  apt-get indextargets --format '$(CREATED_BY)|$(ORIGIN)|$(REPO_URI)|$(RELEASE)' |
+    awk -F '|' '$1 == "Packages" && $2 == "Debian" && !seen[$3 $4]++ {print "deb-src", $3, $4, "main"}' >"$apt/sources.list"
+  [ -s "$apt/sources.list" ] || die "apt knows no Debian archive here (apt-get update?)"
+  local options=(-q -o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null
+    -o Dir::State::Lists="$apt/lists" -o Dir::Cache="$apt/cache" -o APT::Sandbox::User=root)
+  # The newest; where an archive has it no more, the release's own.
+  apt-get "${options[@]}" update && (cd "$work/src" && {
+    apt-get "${options[@]}" source "$@" || apt-get "${options[@]}" source "${@/%//$(. /etc/os-release && echo "$VERSION_CODENAME")}"
+  })
+}
+
 step_name=""
 step_began=0
 step_end() {

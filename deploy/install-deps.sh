@@ -2,7 +2,7 @@
 # Installs the Debian packages that obliq needs, and only those that are missing: a second run touches no
 # network and asks for no rights.
 #
-#   deploy/install-deps.sh [build] [test] [package] [fuzz] [demo] [image] [wheel]      default: build
+#   deploy/install-deps.sh [build] [test] [package] [fuzz] [demo] [image] [wheel] [windows]      default: build
 set -euo pipefail
 
 build_packages=(
@@ -29,6 +29,7 @@ test_packages=(
 package_packages=(debhelper dh-python fakeroot lintian python3 python3-hatchling python3-pip    # packages.sh
   systemd procps)                                              # what the packages need, for tests/debs.sh
 wheel_packages=(dpkg-dev patchelf sqlite3 libjson-c-dev liblzma-dev libsqlite3-dev)             # server-wheel.sh
+windows_packages=(g++-mingw-w64-x86-64-posix wine wine64 nasm dpkg-dev perl)                    # tests/windows.sh
 fuzz_packages=(clang libclang-rt-dev)                         # libFuzzer and the sanitizers
 image_packages=(buildah debootstrap python3 python3-numpy)     # build-image.sh, check-image.sh
 demo_packages=(gdal-bin python3 python3-pip ca-certificates)
@@ -47,6 +48,7 @@ for group in "$@"; do
     test) wanted+=("${test_packages[@]}") ;;
     package) wanted+=("${package_packages[@]}") ;;
     wheel) wanted+=("${wheel_packages[@]}") ;;
+    windows) wanted+=("${windows_packages[@]}") ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     image) wanted+=("${image_packages[@]}") ;;
     demo) wanted+=("${demo_packages[@]}") ;;
@@ -54,7 +56,7 @@ for group in "$@"; do
       sed -n '2,5s/^# \{0,1\}//p' "$0"
       exit 0
       ;;
-    *) die "unknown group '$group'; allowed: build, test, package, fuzz, demo, image, wheel" ;;
+    *) die "unknown group '$group'; allowed: build, test, package, fuzz, demo, image, wheel, windows" ;;
   esac
 done
 

@@ -33,19 +33,6 @@ lean=$work/lean
 jobs=${OBLIQ_JOBS:-$(parallel_jobs)}
 mkdir -p "$work/src" "$out"
 
-# sources PACKAGE...: Debian's source packages, from the archive that this machine's apt is set up with and without a change
-# to its lists.
-sources() {
-  local apt=$work/apt
-  mkdir -p "$apt"/{lists/partial,cache/archives/partial}
-  apt-get indextargets --format '$(CREATED_BY)|$(ORIGIN)|$(REPO_URI)|$(RELEASE)' |
-    awk -F '|' '$1 == "Packages" && $2 == "Debian" && !seen[$3 $4]++ {print "deb-src", $3, $4, "main"}' >"$apt/sources.list"
-  [ -s "$apt/sources.list" ] || die "apt knows no Debian archive here (apt-get update?)"
-  local options=(-q -o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null
-    -o Dir::State::Lists="$apt/lists" -o Dir::Cache="$apt/cache" -o APT::Sandbox::User=root)
-  apt-get "${options[@]}" update && (cd "$work/src" && apt-get "${options[@]}" source "$@")
-}
-
 # lean NAME TARGET SOURCE OPTION...: configured, built and installed with a distribution's flags, once.
 lean() {
   local name=$1 target=$2 source=$3
@@ -62,7 +49,7 @@ lean() {
 if [ ! -e "$lean/gdal.done" ]; then
   {
     step "source packages"
-    compgen -G "$work/src/gdal-*/CMakeLists.txt" >/dev/null || sources tiff proj gdal
+    compgen -G "$work/src/gdal-*/CMakeLists.txt" >/dev/null || debian_sources "$work" tiff proj gdal
     flags=$(DEB_BUILD_MAINT_OPTIONS=hardening=+all DEB_CFLAGS_MAINT_STRIP=-g DEB_CXXFLAGS_MAINT_STRIP=-g \
       DEB_CPPFLAGS_MAINT_APPEND=-DNDEBUG dpkg-buildflags --export=sh)
     eval "$flags"
