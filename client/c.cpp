@@ -212,6 +212,7 @@ void obliq_no_pose(obliq_pose* pose) {
 
 int obliq_move(obliq_client* client, const char* radar, const obliq_pose* pose) {
   return guarded(client, [&] {
+    if (pose == nullptr) return bad("pose: found NULL; allowed: a pose");
     wire::Pose to;
     write(*pose, to);
     wire::Ack ack;
@@ -221,6 +222,7 @@ int obliq_move(obliq_client* client, const char* radar, const obliq_pose* pose) 
 
 int obliq_where(obliq_client* client, const char* radar, obliq_pose* pose) {
   return guarded(client, [&] {
+    if (pose == nullptr) return bad("pose: found NULL; allowed: a place for one");
     wire::RadarInfo info;
     Status status = client->client.get_radar(text_of(radar), info);
     if (status.ok()) *pose = read(info.pose());
@@ -241,6 +243,8 @@ int obliq_get(obliq_client* client, const char* radar, const char* setting, char
   return guarded(client, [&] {
     wire::RadarInfo info;
     if (Status status = client->client.get_radar(text_of(radar), info); !status.ok()) return status;
+    if (!info.has_settings()) return bad("radar: found " + text_of(radar) + ", a platform; allowed: a radar");
+    if (text == nullptr) return bad("text: found NULL; allowed: a place for it");
     const auto found = client::setting_text(info.settings(), text_of(setting));
     if (!found)
       return bad(text_of(setting) + ": found no field of RadarSettings; allowed: those of obliq.proto");

@@ -33,6 +33,11 @@ constexpr int kSendFlags = 0;
 constexpr int kInterrupted = WSAEINTR;
 constexpr int kRefused = WSAECONNREFUSED;
 constexpr int kTimedOut = WSAETIMEDOUT;
+// mingw-w64 names not all of them: ws2ipdef.h of the Windows SDK, "TCP_KEEPCNT" and so on, from Windows 10,
+// version 1709.
+constexpr int kKeepIdle = 3;
+constexpr int kKeepCount = 16;
+constexpr int kKeepInterval = 17;
 
 int last_error() { return ::WSAGetLastError(); }
 bool is_under_way(int error) { return error == WSAEWOULDBLOCK || error == WSAEINPROGRESS; }
@@ -74,6 +79,9 @@ constexpr int kSendFlags = MSG_NOSIGNAL;
 constexpr int kInterrupted = EINTR;
 constexpr int kRefused = ECONNREFUSED;
 constexpr int kTimedOut = ETIMEDOUT;
+constexpr int kKeepIdle = TCP_KEEPIDLE;
+constexpr int kKeepCount = TCP_KEEPCNT;
+constexpr int kKeepInterval = TCP_KEEPINTVL;
 
 int last_error() { return errno; }
 bool is_under_way(int error) { return error == EINPROGRESS; }
@@ -139,9 +147,9 @@ int connect_to(const addrinfo& address, Timeout timeout, SocketHandle& out) {
   set_option(socket, IPPROTO_TCP, TCP_NODELAY, 1);
   // A server whose machine has gone is noticed after a minute, also by a client that only waits (tcp(7)).
   set_option(socket, SOL_SOCKET, SO_KEEPALIVE, 1);
-  set_option(socket, IPPROTO_TCP, TCP_KEEPIDLE, 30);
-  set_option(socket, IPPROTO_TCP, TCP_KEEPINTVL, 10);
-  set_option(socket, IPPROTO_TCP, TCP_KEEPCNT, 3);
+  set_option(socket, IPPROTO_TCP, kKeepIdle, 30);
+  set_option(socket, IPPROTO_TCP, kKeepInterval, 10);
+  set_option(socket, IPPROTO_TCP, kKeepCount, 3);
   set_user_timeout(socket);
   out = socket;
   return 0;

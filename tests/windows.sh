@@ -101,21 +101,22 @@ by_cmake "$root" -DOBLIQ_SERVER=OFF -DOBLIQ_MOLD=OFF -DOBLIQ_HARDENING=OFF -DPro
   exit 1
 }
 
-# consumer BUILD CMAKE_OPTION...: the same project for both.
+# consumer BUILD INSTALLED CMAKE_OPTION...: the same project for both.
 consumer() {
-  local build=$1
-  shift
-  cmake -S tests/consumer -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOBLIQ_EXAMPLES="$root/client/examples" "$@" >"$log" 2>&1 &&
+  local build=$1 installed=$2
+  shift 2
+  cmake -S tests/consumer -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$installed" \
+    -DOBLIQ_EXAMPLES="$installed/share/obliq/client/examples" "$@" >"$log" 2>&1 &&
     cmake --build "$build" --parallel "$jobs" >>"$log" 2>&1 || {
     tail -60 "$log"
     exit 1
   }
 }
 step "a project that uses it, for Windows and for Linux"
-consumer "$work/consumer" -DCMAKE_TOOLCHAIN_FILE="$work/windows.cmake" -DCMAKE_PREFIX_PATH="$made"
+consumer "$work/consumer" "$made" -DCMAKE_TOOLCHAIN_FILE="$work/windows.cmake"
 unset PKG_CONFIG_LIBDIR
 cmake --install "$(dirname "$bin")" --prefix "$work/linux" --component client >"$log"
-consumer "$work/consumer-linux" -DCMAKE_PREFIX_PATH="$work/linux"
+consumer "$work/consumer-linux" "$work/linux"
 
 step "under wine, against a daemon with and without TLS"
 # wine makes its folder at the first start, which takes a while.

@@ -16,7 +16,8 @@ namespace {
 /// Shorter ways are rounding.
 constexpr double kLeast_deg = 1e-6;
 /// Under roll and pitch a turn in bearing is not quite one of the gimbal.
-constexpr int kSteps = 4;
+constexpr int kMostSteps = 40;
+constexpr double kAllRound_deg = 360;
 
 struct Span {
   double least = 0;
@@ -67,11 +68,13 @@ GimbalAngles angles_of(const Mount& mount, const RadarSettings& settings, const 
 }
 
 bool is_wider(const Span& needed, const Span& limits) {
-  return needed.greatest - needed.least > limits.greatest - limits.least + kLeast_deg;
+  return limits.greatest - limits.least < kAllRound_deg &&
+         needed.greatest - needed.least > limits.greatest - limits.least + kLeast_deg;
 }
 
 /// The way back between the limits, or to their middle where more is needed; 0: none is.
 double way_back(const Span& needed, const Span& limits) {
+  if (limits.greatest - limits.least >= kAllRound_deg) return 0;
   const double below = limits.least - needed.least;
   const double above = needed.greatest - limits.greatest;
   if (below <= kLeast_deg && above <= kLeast_deg) return 0;
@@ -110,11 +113,12 @@ std::string limit_at(const Mount& mount, const RadarSettings& settings, const Po
 PoseSettings held_by(const Mount& mount, const RadarSettings& settings, const PoseSettings& asked) {
   PoseSettings held = asked;
   if (is_free(mount)) return held;
-  for (int step = 0; step < kSteps; ++step) {
-    const double turn_deg = way_back(angles_of(mount, settings, held).azimuth_deg, azimuths_of(mount));
+  double turn_deg = 1, lift_deg = 1;
+  for (int step = 0; step < kMostSteps && (turn_deg != 0 || lift_deg != 0); ++step) {
+    turn_deg = way_back(angles_of(mount, settings, held).azimuth_deg, azimuths_of(mount));
     if (turn_deg != 0) held.bearing_deg = std::remainder(held.bearing_deg + turn_deg, 360.0);
-    if (asked.tilt_auto) continue;
-    const double lift_deg = way_back(angles_of(mount, settings, held).elevation_deg, elevations_of(mount));
+    lift_deg =
+        asked.tilt_auto ? 0 : way_back(angles_of(mount, settings, held).elevation_deg, elevations_of(mount));
     held.tilt_deg = std::clamp(held.tilt_deg + lift_deg, -90.0, 90.0);
   }
   return held;

@@ -163,7 +163,11 @@ std::optional<FieldError> check(const Key& key, const Slot& slot) {
       },
       slot);
   if (good) return std::nullopt;
-  return FieldError{std::string(key.name), toml_text(load(key, slot)), allowed_text(key, slot)};
+  const auto* list = std::get_if<std::vector<double>*>(&slot);
+  const bool too_long = list != nullptr && (*list)->size() > kMostNumbers;
+  return FieldError{std::string(key.name),
+                    too_long ? std::to_string((*list)->size()) + " numbers" : toml_text(load(key, slot)),
+                    allowed_text(key, slot)};
 }
 
 bool is_left_open(const Slot& slot) {

@@ -130,6 +130,11 @@ void PoseTimeLine::restart() {
   timed_ = false;
 }
 
+bool PoseTimeLine::is_late(std::int64_t sim_time_ns) const {
+  const std::lock_guard lock(mutex_);
+  return timed_ && sim_time_ns < poses_.back().pose.sim_time_ns && late_in_a_row_ + 1 < kMostLate;
+}
+
 bool PoseTimeLine::add(const PoseSettings& pose, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   if (!timed_) {

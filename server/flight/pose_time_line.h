@@ -46,6 +46,8 @@ class PoseTimeLine {
   void set(const PoseSettings& pose, std::int64_t now_ns);
   /// A pose of the time pose.sim_time_ns, within +-4e18. False: it was late.
   bool add(const PoseSettings& pose, std::int64_t now_ns);
+  /// A pose of that time would be late now, and dropped.
+  bool is_late(std::int64_t sim_time_ns) const;
   /// The antenna is turned on its platform, from this moment on: bearing and tilt are those of `as`, those of
   /// the poses before follow. Where the platform is, and since when, stays.
   void aim(const PoseSettings& as);

@@ -13,6 +13,15 @@ namespace {
 
 const std::string& name_of(const wire::RadarState& state) { return state.radar(); }
 
+/// As the state has it; what is wrong with it is its own part's to say.
+PoseSettings platform_pose(const Platform& platform, const wire::ExerciseState& state) {
+  PoseSettings pose = platform.initial;
+  const auto name = [](const wire::PlatformState& its) { return its.platform(); };
+  if (const auto* its = state_of(platform.name, state.platforms(), name))
+    (void)merge_message(its->pose(), pose);
+  return pose;
+}
+
 }  // namespace
 
 void ExerciseRadars::write(wire::ExerciseState& state) const {
@@ -30,7 +39,10 @@ void ExerciseRadars::write(wire::ExerciseState& state) const {
 std::vector<FieldError> ExerciseRadars::faults(const wire::ExerciseState& state) {
   const auto faults = [&](const LiveRadar& radar, const wire::RadarState& its) {
     std::vector<FieldError> errors;
-    const Wanted wanted = read(radar, its, errors);
+    Wanted wanted = read(radar, its, errors);
+    if (radar.platform)
+      wanted.config.pose =
+          riding(platform_pose(*radar.platform, state), radar.initial.mount, wanted.config.pose);
     return errors.empty() ? faults_of(wanted) : errors;
   };
   return faults_of_each("radar", room_.radars().all(), state.radars(), name_of, faults);

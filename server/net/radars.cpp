@@ -140,6 +140,10 @@ wire::ClaimSet Radars::end_claims(LiveRadar& radar, wire::ClaimSet claims, const
   radar.forget_heading();
   radar.pose.valid_s = radar.initial.pose.valid_s;
   radar.pose.time_rate = radar.initial.pose.time_rate;
+  if (Platform* platform = radar.platform) {
+    platform->pose.valid_s = platform->initial.valid_s;
+    platform->pose.time_rate = platform->initial.time_rate;
+  }
   radar.poses->set_validity(radar.pose.valid_s);
   radar.poses->restart();
   return released;
@@ -188,10 +192,14 @@ void Radars::check_role(Peer& peer) {
   }
 }
 
-void Radars::publish_view(LiveRadar& radar) {
+void Radars::set_view(LiveRadar& radar) {
   if (radar.frozen || held_) return;  // the radar keeps what it shows after the thaw
   radar.faults.clear();
   render_.set_view(radar.number(), radar.view());
+}
+
+void Radars::publish_view(LiveRadar& radar) {
+  set_view(radar);
   tell_places();
 }
 
@@ -257,6 +265,21 @@ bool Radars::move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time)
     publish_view(radar);
   }
   return true;
+}
+
+bool Radars::move(Platform& platform, const std::vector<PoseSettings>& poses, bool has_sim_time) {
+  const auto is_late = [&](const LiveRadar* radar) {
+    return has_sim_time && radar->poses->is_late(poses.front().sim_time_ns);
+  };
+  const bool late = std::ranges::any_of(platform.radars, is_late);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    LiveRadar& radar = *platform.radars[i];
+    if (late && !is_late(&radar)) continue;
+    (void)take_pose(radar, poses[i], has_sim_time);  // one that is late counts it
+    if (!has_sim_time) set_view(radar);
+  }
+  tell_places();
+  return !late;
 }
 
 void Radars::tell_places() const {

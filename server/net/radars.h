@@ -57,6 +57,9 @@ class Radars {
   /// A valid pose has come: with a sim time it joins the radar's time line, else it applies at once. False:
   /// it was late.
   bool move(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time);
+  /// The same of all radars of a platform: late for one of them, as after a reset of another alone, it moves
+  /// none.
+  bool move(Platform& platform, const std::vector<PoseSettings>& poses, bool has_sim_time);
   /// The only place where transmit and freeze change. `by` stands in the log.
   void flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by);
   /// Stops all radars, whatever they are switched to, or lets them go on.
@@ -72,6 +75,7 @@ class Radars {
   void note_fault(std::size_t number, const LiveView& view, const std::vector<FieldError>& errors);
 
  private:
+  void set_view(LiveRadar& radar);
   void tell_places() const;
   wire::ClaimSet take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& by);
   wire::ClaimSet end_claims(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer);

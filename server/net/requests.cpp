@@ -70,8 +70,12 @@ wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::
   error.set_radar(radar);
   for (const FieldError& field : fields) {
     wire::FieldFault& fault = *error.add_fields();
+    // A message has a limit, and what was found may be as long as the request.
+    constexpr std::size_t kMostFound = 1000;
     fault.set_field(field.field);
-    fault.set_found(field.found);
+    fault.set_found(field.found.size() <= kMostFound ? field.found
+                                                     : printable_text(field.found, kMostFound) + "... (" +
+                                                           std::to_string(field.found.size()) + " bytes)");
     fault.set_allowed(field.allowed);
   }
   return error;

@@ -146,7 +146,7 @@ class Requests {
   void acknowledge_pose(std::span<LiveRadar* const> radars, const std::vector<std::string>& warnings);
   /// The same requests of a platform: of all its radars at once, or of none.
   void claim(Platform& platform, const wire::ClaimControl& request);
-  void release(Platform& platform);
+  void release(Platform& platform, const wire::ReleaseControl& request);
   void fly(Platform& platform, const wire::Pose& message);
   void describe(const Platform& platform);
   void log_flight(const std::string& what);

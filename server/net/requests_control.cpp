@@ -155,7 +155,7 @@ void Requests::claim_control(const wire::ClaimControl& request) {
 }
 
 void Requests::release_control(const wire::ReleaseControl& request) {
-  if (Platform* platform = room_.radars().find_platform(request.radar())) return release(*platform);
+  if (Platform* platform = room_.radars().find_platform(request.radar())) return release(*platform, request);
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
   const auto kinds = read_kinds(*radar, request.kinds(), wire::kEveryClaim);

@@ -24,6 +24,15 @@ std::vector<std::string> take_out_aim(wire::Pose& pose) {
   return fields;
 }
 
+std::vector<FieldError> kind_faults(const Platform& platform,
+                                    const google::protobuf::RepeatedField<int>& kinds) {
+  for (const int kind : kinds)
+    if (kind != wire::POSE_CLAIM)
+      return {{"kinds", std::to_string(kind) + " of platform " + platform.name,
+               "0, its pose; settings are its radars' own"}};
+  return {};
+}
+
 }  // namespace
 
 FieldError no_pose_of_its_own(const LiveRadar& radar, const std::string& field) {
@@ -44,20 +53,17 @@ void Requests::fly(Platform& platform, const wire::Pose& message) {
   for (const LiveRadar* radar : platform.radars) {
     if (!errors.empty()) break;
     of_radars.push_back(riding(pose, radar->initial.mount, radar->pose));
-    errors = pose_faults(room_, *radar, of_radars.back());
+    errors = validate(of_radars.back());
+    if (errors.empty()) errors = pose_faults(room_, *radar, of_radars.back());
     for (FieldError& error : errors) error.field = "radar " + radar->name + ": " + error.field;
   }
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "pose refused", errors);
 
   std::vector<std::string> warnings;
   if (!ignored.empty()) warnings.push_back(not_taken(ignored, "each radar of a platform has its own"));
-  bool is_taken = true;
-  for (std::size_t i = 0; i < of_radars.size(); ++i) {
-    LiveRadar& radar = *platform.radars[i];
-    if (message.new_time_line()) radar.poses->restart();
-    is_taken &= room_.radars().move(radar, of_radars[i], message.has_sim_time_ns());
-  }
-  if (is_taken) {
+  for (const LiveRadar* radar : platform.radars)
+    if (message.new_time_line()) radar->poses->restart();
+  if (room_.radars().move(platform, of_radars, message.has_sim_time_ns())) {
     platform.pose = pose;
   } else {
     warnings.push_back(came_late(pose, platform.pose));
@@ -67,11 +73,8 @@ void Requests::fly(Platform& platform, const wire::Pose& message) {
 }
 
 void Requests::claim(Platform& platform, const wire::ClaimControl& request) {
-  for (const int kind : request.kinds())
-    if (kind != wire::POSE_CLAIM)
-      return refuse(ErrorNumber::invalid_value, "claim refused",
-                    {{"kinds", std::to_string(kind) + " of platform " + platform.name,
-                      "0, its pose; settings are its radars' own"}});
+  if (const auto faults = kind_faults(platform, request.kinds()); !faults.empty())
+    return refuse(ErrorNumber::invalid_value, "claim refused", faults);
   std::string held;
   for (const LiveRadar* radar : platform.radars)
     if (held.empty()) held = radar->claims.sentence(wire::kPoseClaim, &peer_);
@@ -84,7 +87,9 @@ void Requests::claim(Platform& platform, const wire::ClaimControl& request) {
   acknowledge();
 }
 
-void Requests::release(Platform& platform) {
+void Requests::release(Platform& platform, const wire::ReleaseControl& request) {
+  if (const auto faults = kind_faults(platform, request.kinds()); !faults.empty())
+    return refuse(ErrorNumber::invalid_value, "release refused", faults);
   bool is_released = false;
   for (LiveRadar* radar : platform.radars)
     is_released |= room_.radars().release(*radar, wire::kPoseClaim, peer_) != 0;

@@ -290,6 +290,28 @@ TEST(MarchedRays, OfOneAzimuthBinAllAroundMeetAHillOnEitherSide) {
   EXPECT_EQ(tally.differ, 0);
 }
 
+TEST(PixelsOfBins, AllAroundNoneTakesWhatIsItsNeighbours) {
+  // Edges that rounding puts beside 90 degrees leave no sliver of a bin that takes whole rows.
+  const auto scene = test::level_ground();
+  for (const int azimuth_bins : {8, 36, 100, 160, 193, 200, 360}) {
+    const RadarSettings settings =
+        test::radar_settings(FrustumKind::oblique, {2000, 8000, 360}, {azimuth_bins, 32}, {400, 500});
+    const Frame frame = render(scene, test::snapshot(settings),
+                               test::pose_over_origin(scene->world(), 1000, 0), {0, azimuth_bins}, {});
+    std::vector<double> samples;
+    for (int a = 0; a < azimuth_bins; ++a) {
+      double sum = 0;
+      for (int r = 0; r < 32; ++r) sum += frame.bins.count[static_cast<std::size_t>(a * 32 + r)];
+      samples.push_back(sum);
+    }
+    for (std::size_t a = 0; a < samples.size(); ++a) {
+      const double beside = samples[(a + 1) % samples.size()];
+      EXPECT_LT(samples[a], 2.5 * beside + 40) << a << " of " << azimuth_bins;
+      EXPECT_LT(beside, 2.5 * samples[a] + 40) << a << " of " << azimuth_bins;
+    }
+  }
+}
+
 TEST(MarchedRays, OfTheSymmetricFrustumMeetWhatTheirOwnWalksMeet) {
   const Tally tally = tally_of(FrustumKind::symmetric);
   EXPECT_GT(tally.hits, 20000);

@@ -55,8 +55,11 @@ client::Status watched(const client::Endpoint& endpoint, const std::string& ca_f
 
 client::Status read_again(const std::string& path, std::vector<std::string>& lines) {
   std::unique_ptr<client::RecordingReader> reader;
+  client::RecordingStart start;
   if (client::Status status = client::RecordingReader::open(path, reader); !status.ok()) return status;
-  client::RecordedFrames recording(std::move(reader), "", wire::kAllPlanes);
+  if (client::Status status = client::read_start(*reader, "", start); !status.ok()) return status;
+  reader->seek(0);
+  client::RecordedFrames recording(std::move(reader), start.radar, wire::kAllPlanes);
   client::RecordedFrame frame;
   for (auto found = recording.next(frame); found != client::RecordedFrames::Found::end;
        found = recording.next(frame))

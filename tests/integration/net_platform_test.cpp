@@ -211,6 +211,40 @@ TEST_F(Ship, AGimbalsLimitIsSaidAndHoldsTheAntennaUntilItLooksBack) {
   EXPECT_EQ(info(hand, "stern").gimbal(), "");
 }
 
+TEST_F(Ship, APoseThatIsLateForOneRadarMovesNone) {
+  for (const char* radar : {"bow", "stern"}) ASSERT_TRUE(is_ok(host.claim_control(radar)));
+  ASSERT_TRUE(is_ok(host.claim("ship", kPoseClaim)));
+  ASSERT_TRUE(is_ok(host.set_pose("ship", sailed(1, 0, 5'000'000'000), ack)));
+  ASSERT_TRUE(is_ok(host.reset_exercise("bow")));  // it has no clock any more
+  ASSERT_TRUE(is_ok(host.set_pose("ship", sailed(3, 0, 4'000'000'000), ack)));
+  ASSERT_EQ(ack.warnings_size(), 1);
+  EXPECT_NE(ack.warnings(0).find("the pose is not taken"), std::string::npos) << ack.warnings(0);
+  for (const char* radar : {"bow", "stern"}) EXPECT_NEAR(info(hand, radar).pose().longitude_deg(), 1, 0.01);
+  ASSERT_TRUE(is_ok(host.set_pose("ship", sailed(2, 0, 6'000'000'000), ack)));
+  for (const char* radar : {"bow", "stern"}) EXPECT_NEAR(info(hand, radar).pose().longitude_deg(), 2, 0.01);
+}
+
+TEST_F(Ship, WhatItsPosesSaidOfTimeEndsWithTheirClaim) {
+  ASSERT_TRUE(is_ok(host.claim("ship", kPoseClaim)));
+  wire::Pose pose = sailed(1, 0, 1'000'000'000);
+  pose.set_valid_s(0.5);
+  pose.set_time_rate(10);
+  ASSERT_TRUE(is_ok(host.set_pose("ship", pose, ack)));
+  EXPECT_EQ(info(hand, "ship").pose().time_rate(), 10);
+  ASSERT_TRUE(is_ok(host.release_control("ship")));
+  EXPECT_EQ(info(hand, "ship").pose().time_rate(), 1);
+  EXPECT_EQ(info(hand, "ship").pose().valid_s(), 0);
+}
+
+TEST_F(Ship, ItsRadarsPlacesAreJudgedWithIts) {
+  ASSERT_TRUE(is_ok(host.claim("ship", kPoseClaim)));
+  wire::Pose high = sailed(1, 0, 1'000'000'000);
+  high.set_height_m(99'950);
+  high.set_pitch_deg(60);  // the bow is 87 m higher
+  expect_refused(host.set_pose("ship", high, ack), 100, "radar bow: antenna.height_m: found 100036");
+  EXPECT_EQ(info(hand, "ship").pose().longitude_deg(), 0);
+}
+
 TEST_F(Ship, BarsAreSettingsThatAClientChanges) {
   ASSERT_TRUE(is_ok(hand.claim_control("bow")));
   wire::RadarSettings settings;
@@ -226,6 +260,9 @@ TEST_F(Ship, BarsAreSettingsThatAClientChanges) {
   settings.mutable_scan_bars()->add_tilt_deg(90.5);
   expect_refused(hand.set_settings("bow", settings, ack), 100,
                  "scan.bars: found [-2.0, -6.5, 90.5]; allowed: a list");
+  settings.mutable_scan_bars()->clear_tilt_deg();
+  for (int k = 0; k < 20'000; ++k) settings.mutable_scan_bars()->add_tilt_deg(k + 1.0 / 3);
+  expect_refused(hand.set_settings("bow", settings, ack), 100, "scan.bars: found 20000 numbers");
   settings.mutable_scan_bars()->clear_tilt_deg();
   for (int k = 0; k < 17; ++k) settings.mutable_scan_bars()->add_tilt_deg(k);
   expect_refused(hand.set_settings("bow", settings, ack), 100, "a list of up to 16 numbers, -90 to 90 deg");

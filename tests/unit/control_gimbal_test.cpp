@@ -107,6 +107,14 @@ TEST(Gimbal, AStabilisedAntennaNeedsMoreWhereItsPlatformRolls) {
   EXPECT_EQ(limit_met(wing, sector(1e-3, false), asked), "") << "one that rolls along needs nothing";
 }
 
+TEST(Gimbal, AllRoundItHasNoStopInAzimuth) {
+  const Mount down = mount(-180, 180, -30, 10);
+  EXPECT_EQ(held_by(down, sector(60), looking(0, 170, 0)).bearing_deg, 170);
+  EXPECT_EQ(held_by(down, sector(360), looking(0, 77, 0)).bearing_deg, 77);
+  EXPECT_EQ(limit_met(down, sector(360), looking(0, 170, -31)),
+            "elevation at its limit of -30 deg, 1.0 deg short");
+}
+
 TEST(Gimbal, AnAutomaticTiltIsNotHeld) {
   PoseSettings asked = looking(0, 80, -50);
   asked.tilt_auto = true;
@@ -135,10 +143,12 @@ TEST(Gimbal, WhereverItIsAskedToLookItStaysWithinItsLimits) {
     const Mount nose = mount(any(-90, -40), any(40, 90), any(-60, -20), any(10, 40));
     const double sector_deg = any(1, 60);
     const PoseSettings asked =
-        looking(any(-180, 180), any(-70, 70), any(-40, 15), any(-15, 15), any(-10, 10));
+        looking(any(-180, 180), any(-70, 70), any(-40, 15), any(-30, 30), any(-20, 20));
     const PoseSettings held = held_by(nose, sector(sector_deg), asked);
-    const bool is_said = !limit_met(nose, sector(sector_deg), asked).empty();
+    const std::string said = limit_met(nose, sector(sector_deg), asked);
+    const bool is_said = !said.empty();
     EXPECT_EQ(is_said, !(held == asked)) << trial;
+    if (said.find("needs") != std::string::npos) continue;  // more than there is
     held_count += is_said ? 1 : 0;
     const double centre_deg = held.bearing_deg - held.heading_deg;
     for (const double offset : {-sector_deg / 2, 0.0, sector_deg / 2}) {

@@ -206,6 +206,9 @@ void run(const FlyArguments& arguments) {
                      "; allowed: one of TRACK, --udp PORT, --dis SITE:APP:ENTITY");
   if (!arguments.datagrams.entity.empty() && arguments.height_unit_m != 1)
     throw InputError("--height-unit: found ft with --dis; allowed: m, in which PDUs are");
+  if (arguments.datagrams.wanted() && arguments.speed != 1)
+    throw InputError("--speed: found " + toml_number(arguments.speed) +
+                     " with --udp or --dis; allowed: with TRACK; --time-rate is of datagrams");
   heed_interrupts();
   if (arguments.datagrams.wanted()) {
     client::Client client = connect_to_server(arguments.server, "obliq fly");

@@ -176,7 +176,7 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
     if (found == said || !complaints.empty()) return;
     complaints.add(path.string(), FieldError{kind, std::to_string(found) + " " + kind + "s",
                                              std::to_string(said) + ", as exercise." + kind +
-                                                 "s says; the file has been cut"});
+                                                 "s says; the file has been cut or changed"});
   };
   compare("radar", state.radars_size(), radars);
   compare("platform", state.platforms_size(), platforms);

@@ -57,6 +57,19 @@ std::string scene_text(SceneConfig config) {
   return print_config(config);
 }
 
+/// What the file says now, but for what rides on what, which changes by a restart alone.
+RadarConfig as_it_rides(RadarConfig wanted, const RadarConfig& known) {
+  if ((wanted.platform == nullptr) != (known.platform == nullptr)) {
+    const PoseSettings aim = wanted.pose;
+    wanted.pose = known.pose;
+    wanted.pose.tilt_deg = aim.tilt_deg;
+    wanted.pose.tilt_auto = aim.tilt_auto;
+  }
+  wanted.platform = known.platform;
+  wanted.mount = known.mount;
+  return wanted;
+}
+
 bool same_pattern_file(const RadarSettings& known, const RadarSettings& wanted) {
   const PatternCuts* before = known.beam.file.get();
   const PatternCuts* now = wanted.beam.file.get();
@@ -191,7 +204,7 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
     const bool by_planes = of_file_now.frustum == FrustumKind::sweep && of_file_now.planes_per_bin > 0;
     for (const Parameter& parameter : parameters()) {
       if (by_planes && parameter.key.name == "frustum.pixel_columns") continue;  // they follow
-      if (is_of_platform(*known, parameter)) continue;
+      if (is_of_platform(*known, parameter) || is_of_platform(wanted.radars[i], parameter)) continue;
       if (value_of(parameter, *known) == value_of(parameter, wanted.radars[i])) continue;
       change.settings.push_back({&parameter, value_of(parameter, to_build.radars[i])});
       text += (text.empty() ? "" : ", ") + std::string(parameter.key.name) + " is now " +
@@ -205,7 +218,7 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
     const net::PanelAnswer answer = server_->panel().apply(known->name, change);
     if (answer.verdict == net::PanelVerdict::done) {
       spdlog::info("radar {}: {}", known->name, text);
-      *known = wanted.radars[i];
+      *known = as_it_rides(wanted.radars[i], *known);
     } else if (answer.verdict == net::PanelVerdict::controlled) {
       spdlog::warn("radar {}: {}; it keeps its own and takes \"{}\" at a SIGHUP while no client holds them",
                    known->name, answer.held, text);
@@ -255,8 +268,9 @@ std::string riders_text(const SceneConfig& config) {
   for (const RadarConfig& radar : config.radars) {
     const Mount& m = radar.mount;
     if (radar.platform)
-      text += fmt::format("{} on {}: {} {} {} {}\n", radar.name, radar.platform->name, m.forward_m, m.right_m,
-                          m.up_m, m.look_deg);
+      text += fmt::format("{} on {}: {} {} {} {} {} {} {} {}\n", radar.name, radar.platform->name,
+                          m.forward_m, m.right_m, m.up_m, m.look_deg, m.gimbal.azimuth_min_deg,
+                          m.gimbal.azimuth_max_deg, m.gimbal.elevation_min_deg, m.gimbal.elevation_max_deg);
   }
   return text;
 }

@@ -35,6 +35,8 @@ ReplayPlayer::ReplayPlayer(std::string path, client::RecordingStart start, const
   if (!status.ok()) throw InputError(status.sentence());
   origin_utc_ns_ = options.origin_utc_ns.value_or(search_->first().utc_ns);
   duration_ns_ = from_start_ns(search_->end_utc_ns());
+  // One that began before the flight has them later on.
+  has_sim_times_ = search_->first().sim_time_ns || search_->at_utc(search_->end_utc_ns()).frame.sim_time_ns;
   time_.restart(from_start_ns(search_->first().utc_ns));
 }
 
@@ -234,7 +236,7 @@ std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& wish) {
         {"seek_s", toml_number(wish.seek_s()), fmt::format("0 to {} s, its length", duration_s)});
   if (wish.has_seek_sim_time_ns() && wish.has_seek_s())
     errors.push_back({"seek_sim_time_ns", "a time beside seek_s", "one of the two"});
-  if (wish.has_seek_sim_time_ns() && !search_->first().sim_time_ns)
+  if (wish.has_seek_sim_time_ns() && !has_sim_times_)
     errors.push_back({"seek_sim_time_ns", std::to_string(wish.seek_sim_time_ns()),
                       "nothing: the poses of this recording have no sim_time_ns; seek_s"});
   if (!errors.empty()) return errors;
@@ -245,7 +247,7 @@ std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& wish) {
 
 void ReplayPlayer::follow(wire::SetReplay wish) {
   if (wish.has_seek_s()) wish.set_seek_s(std::min(wish.seek_s(), 1e-9 * static_cast<double>(duration_ns_)));
-  if (!search_->first().sim_time_ns) wish.clear_seek_sim_time_ns();
+  if (!has_sim_times_) wish.clear_seek_sim_time_ns();
   take(wish);
 }
 

@@ -99,6 +99,7 @@ class ReplayPlayer : public net::ReplayControl {
   const std::function<void(const std::string&)> say_;
   const std::function<void()> ended_;
   PlaybackClock clock_;
+  bool has_sim_times_ = false;                       ///< its poses, at either end
   std::unique_ptr<client::RecordingSearch> search_;  ///< plan()'s, but for what never changes
   std::int64_t origin_utc_ns_ = 0;
   std::int64_t duration_ns_ = 0;

@@ -141,6 +141,7 @@ std::shared_ptr<const PlatformConfig> read_ride(SceneReading& scene, SectionRead
   const ConfigNode* node = own.take("platform");
   if (node == nullptr) return nullptr;
   const auto* name = std::get_if<std::string>(&node->value);
+  if (name != nullptr && name->empty()) return nullptr;
   std::string names;
   for (const auto& platform : scene.config.platforms) {
     if (name != nullptr && platform->name == *name) return platform;
@@ -281,6 +282,15 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
   return radar;
 }
 
+/// Says which platforms carry nothing: a server does not have them.
+void note_empty_platforms(SceneConfig& config) {
+  for (const auto& platform : config.platforms)
+    if (std::ranges::none_of(config.radars, [&](const RadarConfig& r) { return r.platform == platform; }))
+      config.notes.push_back(
+          "[[platform]] " + toml_string(platform->name) +
+          " carries no radar, and is left out: radar.platform names what a radar rides on");
+}
+
 /// As TOML; empty where there is nothing to print.
 std::string special_value(std::string_view name, const RadarConfig& radar) {
   const RadarSettings& settings = radar.settings;
@@ -348,6 +358,7 @@ std::vector<MissingPosition> read_radars(SceneReading& scene) {
   };
   // apply_overrides has made a [radar] where there was none, but `radar = []` remains possible.
   scene.top.each_table("radar", read_one);
+  note_empty_platforms(scene.config);
   note_choice(scene.config, nothing,
               "no frustum named: sweep \"" + std::string(kDefaultQuality) +
                   "\"; frustum.kind = \"oblique\" casts rays with Embree");

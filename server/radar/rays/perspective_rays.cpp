@@ -25,6 +25,13 @@ double tangent(double offset, bool start) {
   return at.sin / at.cos;
 }
 
+/// An edge that only rounding keeps from abeam lies there: no sliver of a bin is beyond it, whose tangents
+/// would span whole rows.
+double at_cut(double offset) {
+  const double cut = std::copysign(kPi / 2, offset);
+  return std::abs(offset - cut) < 1e-12 ? cut : offset;
+}
+
 PixelCamera pixel_camera(const ScenePlan& plan) {
   const PerspectiveFrustum& camera = plan.camera();
   const double width = camera.pixel_width_m();
@@ -44,7 +51,8 @@ PixelCamera pixel_camera(const ScenePlan& plan) {
 PerspectiveRays::PerspectiveRays(const ScenePlan& plan, AzimuthRange range)
     : camera_(plan.camera()), pixel_camera_(pixel_camera(plan)) {
   for (int bin = range.first; bin < range.first + range.count; ++bin)
-    add_intervals(bin, plan.bins().azimuth_edge_rad(bin), plan.bins().azimuth_edge_rad(bin + 1));
+    add_intervals(bin, at_cut(plan.bins().azimuth_edge_rad(bin)),
+                  at_cut(plan.bins().azimuth_edge_rad(bin + 1)));
 }
 
 bool PerspectiveRays::generate(RayBatch& batch) {
@@ -146,14 +154,15 @@ PixelSpan PerspectiveRays::add_row(int row) {
   const bool backwards = row % 2 == 1;
   if (backwards) std::reverse(runs_.begin(), runs_.end());
   std::size_t at = waiting_.size();
-  waiting_.resize(at + static_cast<std::size_t>(span.to - span.from));
+  std::size_t n_pixels = 0;
+  for (const Run& run : runs_) n_pixels += static_cast<std::size_t>(run.columns.to - run.columns.from);
+  waiting_.resize(at + n_pixels);
   for (const Run& run : runs_) {
     const int n = run.columns.to - run.columns.from;
     const int first = backwards ? run.columns.to - 1 : run.columns.from;
     for (int k = 0; k < n; ++k)
       waiting_[at++] = {row, backwards ? first - k : first + k, run.bin, direction.y, ahead};
   }
-  waiting_.resize(at);
   return span;
 }
 
