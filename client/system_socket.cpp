@@ -42,7 +42,17 @@ constexpr int kKeepInterval = 17;
 int last_error() { return ::WSAGetLastError(); }
 bool is_under_way(int error) { return error == WSAEWOULDBLOCK || error == WSAEINPROGRESS; }
 bool would_block(int error) { return error == WSAEWOULDBLOCK || error == WSAEINTR; }
-int poll_one(WSAPOLLFD& entry, int timeout_ms) { return ::WSAPoll(&entry, 1, timeout_ms); }
+/// By select(): before Windows 10, version 2004, WSAPoll() waited for ever for a connection that was refused.
+int poll_one(const WSAPOLLFD& entry, int timeout_ms) {
+  fd_set ready, failed;
+  FD_ZERO(&ready);
+  FD_ZERO(&failed);
+  FD_SET(entry.fd, &ready);
+  FD_SET(entry.fd, &failed);
+  timeval wait{timeout_ms / 1000, timeout_ms % 1000 * 1000};
+  const bool reads = entry.events == POLLIN;
+  return ::select(0, reads ? &ready : nullptr, reads ? nullptr : &ready, &failed, &wait);
+}
 void close_native(SOCKET socket) { ::closesocket(socket); }
 SOCKET native(SocketHandle socket) { return static_cast<SOCKET>(socket); }
 std::string lookup_error_text(int code) { return std::system_category().message(code); }

@@ -48,7 +48,7 @@ python_with() {
 }
 
 # debian_sources DIR PACKAGE...: Debian's source packages into DIR/src, from the archive that this machine's apt is set up with and
-# without a change to its lists.
+# without a change to its lists. OR_OF_RELEASE=1: the release's own version where the archive has the newest no more.
 debian_sources() {
   local work=$1 apt=$1/apt
   shift
@@ -58,9 +58,9 @@ debian_sources() {
   [ -s "$apt/sources.list" ] || die "apt knows no Debian archive here (apt-get update?)"
   local options=(-q -o Dir::Etc::SourceList="$apt/sources.list" -o Dir::Etc::SourceParts=/dev/null
     -o Dir::State::Lists="$apt/lists" -o Dir::Cache="$apt/cache" -o APT::Sandbox::User=root)
-  # The newest; where an archive has it no more, the release's own.
   apt-get "${options[@]}" update && (cd "$work/src" && {
-    apt-get "${options[@]}" source "$@" || apt-get "${options[@]}" source "${@/%//$(. /etc/os-release && echo "$VERSION_CODENAME")}"
+    apt-get "${options[@]}" source "$@" || { [ -n "${OR_OF_RELEASE-}" ] &&
+      apt-get "${options[@]}" source "${@/%//$(. /etc/os-release && echo "$VERSION_CODENAME")}"; }
   })
 }
 

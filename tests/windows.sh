@@ -89,7 +89,7 @@ build_openssl() {
     --cross-compile-prefix=$target- CC=gcc-posix --prefix="$made" --libdir=lib no-shared no-tests no-legacy no-engine &&
     make -j "$jobs" build_libs && make install_dev)
 }
-once sources debian_sources "$work" protobuf openssl libzstd libisal
+OR_OF_RELEASE=1 once sources debian_sources "$work" protobuf openssl libzstd libisal
 once zstd build_zstd
 once isa-l build_isal
 once openssl build_openssl

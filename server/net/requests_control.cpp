@@ -105,12 +105,14 @@ LiveRadar* Requests::claimed_radar(const std::string& name) {
 
 bool Requests::demand_claims(const LiveRadar& radar, wire::ClaimSet claims) {
   if (radar.claims.holds(peer_, claims)) return true;
+  const bool of_platform = radar.platform != nullptr && claims == wire::kPoseClaim;
+  const std::string what = of_platform ? "platform " + radar.platform->name : "radar " + radar.name;
   if (const std::string held = radar.claims.sentence(claims, &peer_); !held.empty()) {
-    refuse(ErrorNumber::controlled_by_other, "radar " + radar.name + ": " + held);
+    refuse(ErrorNumber::controlled_by_other, what + ": " + held);
   } else {
     const auto lacking = static_cast<wire::ClaimSet>(claims & ~radar.claims.of(peer_));
     refuse(ErrorNumber::not_in_control,
-           "radar " + radar.name + ": not claimed: " + wire::claim_names(lacking) + "; claim control first");
+           what + ": not claimed: " + wire::claim_names(lacking) + "; claim control first");
   }
   return false;
 }

@@ -27,8 +27,9 @@ class ScanTest : public ::testing::Test {
     settings.sector_deg = mode == ScanMode::circular ? 360 : 64;
     settings.scan_rate_deg_s = settings.sector_deg;
     settings.scan_mode = mode;
+    settings.scan_bars_deg = bars_deg_;
     settings_ = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 7});
-    thread_.add_radar("main", 1, {settings_, {}, 0, poses_});
+    thread_.add_radar("main", 1, {settings_, {}, 0, poses_, false, {.gimbal = gimbal_}});
     thread_.set_demand(0, {demand()});
     thread_.start();
     while (!renderer_.scan_has_begun) std::this_thread::yield();
@@ -58,6 +59,8 @@ class ScanTest : public ::testing::Test {
 
   std::atomic<std::int64_t> now_ns_ = kStart_ns;
   std::shared_ptr<PoseTimeLine> poses_ = std::make_shared<PoseTimeLine>(PoseSettings{});
+  std::vector<double> bars_deg_;
+  GimbalLimits gimbal_;
   SettingsPtr settings_;
   ScanWatch<PatternRenderer> renderer_;
   Listener events_;
@@ -199,24 +202,14 @@ TEST_F(ScanTest, ChangedSettingsEndThePassAndBeginAnother) {
 }
 
 TEST_F(ScanTest, BarsTakeTurnsPassByPassAndTheGimbalHoldsThem) {
-  ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
-  EXPECT_EQ(events_.wedges.back().pose().tilt_deg(), 0);
-  RadarSettings settings = settings_->settings;
-  settings.scan_bars_deg = {-2, -40};
-  net::LiveView view{std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 8}), {}, 0, poses_};
-  view.mount.gimbal.elevation_min_deg = -25;
-  thread_.set_view(0, view);
-  ASSERT_TRUE(events_.wait([&] { return events_.aborts.size() == 1; }));
-  // By the tilt of its dwells, pass after pass.
-  std::vector<double> tilts;
-  for (double s = 0.2; tilts.size() < 4 && s < 20; s += 0.125) {
-    const std::size_t before = events_.wedges.size();
-    advance_to(s);
-    ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() > before; }));
-    const wire::WedgeBlock& wedge = events_.wedges.back();
-    if (tilts.empty() || tilts.back() != wedge.pose().tilt_deg()) tilts.push_back(wedge.pose().tilt_deg());
+  bars_deg_ = {-2, -40};
+  gimbal_.elevation_min_deg = -25;
+  begin(ScanMode::sector);
+  for (std::size_t k = 0; k < 32; ++k) {
+    advance_to((static_cast<double>(k) + 0.5) / 8 + 0.001);
+    ASSERT_TRUE(events_.wait([&] { return events_.wedges.size() == k + 1; }));
+    EXPECT_EQ(events_.wedges.back().pose().tilt_deg(), k / 8 % 2 == 0 ? -2 : -25) << k;
   }
-  EXPECT_EQ(tilts, (std::vector<double>{-2, -25, -2, -25}));
 }
 
 TEST_F(ScanTest, APassThatTheServersEndCutsSaysSo) {
