@@ -45,6 +45,16 @@
 namespace obliq {
 namespace {
 
+/// Of a line in the log, which must not grow over its end.
+std::string first_radar_names(const SceneConfig& config) {
+  constexpr std::size_t kMost = 12;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kMost, config.radars.size()); ++i)
+    names += (names.empty() ? "" : ", ") + config.radars[i].name;
+  if (config.radars.size() > kMost) names += " and " + std::to_string(config.radars.size() - kMost) + " more";
+  return names;
+}
+
 /// Between the end of the service's own limit and the end of the process.
 constexpr double kLastWords_s = 0.5;
 
@@ -273,7 +283,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
       pulse_.cancel();
       io_.release();
     });
-    const std::string names = radar_names(config_);
+    const std::string names = first_radar_names(config_);
     readiness_.ready();
     const std::string serving = "serving " + names + " on " + server_->address();
     service_manager::ready(serving);
