@@ -5,6 +5,7 @@
 #include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/sources.h"
+#include "server/control/sections/targets.h"
 
 namespace obliq {
 namespace {
@@ -49,6 +50,8 @@ std::vector<KeyText> all_keys() {
     list.push_back({KeyGroup::list, platform_key(*p), p->key, std::string(type_name(slot)),
                     toml_text(load(p->key, slot)), allowed_text(p->key, slot), Change::restart});
   }
+  add<TargetType>(list, KeyGroup::list, "target_types.NAME.", {target_type_rows()});
+  add<Target>(list, KeyGroup::list, "target.", {target_rows()});
   add<MaterialKeys>(list, KeyGroup::material, "materials.NAME.", {material_rows()});
   return list;
 }

@@ -13,7 +13,7 @@ enum class KeyGroup {
   radar,       ///< a parameter of a radar
   short_form,  ///< stands for several parameters: frustum.quality
   section,     ///< of a table that stands once
-  list,        ///< of [[buildings]], [[prisms]], [[surfaces]]
+  list,        ///< of [[buildings]], [[prisms]], [[surfaces]], [[target]]
   material     ///< of [materials.NAME]
 };
 

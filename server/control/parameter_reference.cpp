@@ -101,6 +101,17 @@ std::string platform_page() {
          std::string(kSceneHeader) + rows(KeyGroup::short_form, "mount.") + rows(KeyGroup::list, "platform.");
 }
 
+std::string target_page() {
+  return "\n## Targets\n\nVehicles, ships and aircraft among the echoes of the ground. Each `[[target]]` has "
+         "a "
+         "`type`, a `[target_types.NAME]` of the same file,\nwhose keys it may set anew for itself. It moves "
+         "by "
+         "the clock of the poses: at `sim_time_ns` of a pose it has\ntravelled for so long; under poses "
+         "without a "
+         "clock it stands. Read at start.\n\n" +
+         std::string(kSceneHeader) + rows(KeyGroup::list, "target_types.") + rows(KeyGroup::list, "target.");
+}
+
 std::string daemon_section_names() {
   std::string names;
   for (const Section* section : sections())
@@ -213,7 +224,7 @@ std::string parameters_markdown() {
       "in a "
       "scene file\nalone.\n";
   page += "*Modbus*: the parameter's first register; [the map](../modbus/REGISTERS.md) gives its encoding.\n";
-  return page + platform_page() + preset_page() + quality_page() + scene_pages();
+  return page + platform_page() + target_page() + preset_page() + quality_page() + scene_pages();
 }
 
 std::string preset_text(std::string_view name) {

@@ -9,6 +9,7 @@
 #include "server/control/sections/radar.h"
 #include "server/control/sections/run.h"
 #include "server/control/sections/server.h"
+#include "server/control/sections/target_config.h"
 #include "server/scene/materials.h"
 #include "server/scene/ray_method.h"
 #include "terrain/world_spec.h"
@@ -22,6 +23,9 @@ struct SceneConfig {
   WorldSpec world;                  ///< origin, reaches and footprint filled in from the radars
   std::vector<Material> materials;  ///< by material id
   std::vector<std::shared_ptr<const PlatformConfig>> platforms;  ///< names differ, from the radars' too
+  std::vector<TargetType> target_types;                          ///< rising by name
+  std::vector<TargetConfig> targets;                             ///< names differ
+  std::int64_t target_seed = 1;                                  ///< of their fluctuation
   std::vector<RadarConfig> radars;                               ///< at least one; valid; names differ
   int threads = 0;                                               ///< 0: all cores
   RayMethod rays = RayMethod::march;

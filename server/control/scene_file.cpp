@@ -13,6 +13,7 @@
 #include "server/control/sections/radar.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/sources.h"
+#include "server/control/sections/targets.h"
 #include "terrain/world.h"
 
 namespace obliq {
@@ -49,6 +50,8 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   read_list(scene, kPrisms);
   read_list(scene, kSurfaces);
   mark_used_materials(config);
+  read_target_types(scene);
+  read_targets(scene);
   read_platforms(scene);
   const std::vector<MissingPosition> missing = read_radars(scene);
   top.finish();
@@ -257,7 +260,8 @@ std::string print_config(const SceneConfig& config) {
          "at "
          "start.\n" +
          printed_sections(config) + printed_list(kBuildings, config) + printed_list(kPrisms, config) +
-         printed_list(kSurfaces, config) + printed_radars(config) + printed_materials(config);
+         printed_list(kSurfaces, config) + printed_radars(config) + printed_targets(config) +
+         printed_materials(config);
 }
 
 double loaded_radius_m(double r_max_m) { return kReachMargin * r_max_m; }

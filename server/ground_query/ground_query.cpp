@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "proto/ground_record.h"
-#include "server/ground_query/line_to_point.h"
 #include "server/radar/geometry/pose.h"
 #include "server/radar/profile/ground_walk.h"
+#include "server/radar/profile/line_to_point.h"
 #include "server/scene/scene.h"
 #include "server/scene/tolerances.h"
 #include "terrain/base/units.h"
@@ -102,7 +102,7 @@ float degrees(double angle_rad) { return static_cast<float>(angle_rad / kDegree_
 
 }  // namespace
 
-GroundQuery::GroundQuery(const Scene& scene, const SurfaceBounds& bounds) : scene_(scene), bounds_(bounds) {
+GroundQuery::GroundQuery(const Scene& scene) : scene_(scene) {
   for (const Material& material : scene.materials()) is_water_.push_back(material.name == "water");
 }
 
@@ -211,7 +211,7 @@ void GroundQuery::look(const glm::dvec3& point_m, const Pose& antenna, wire::Gro
     return;
   }
   const glm::dvec3& eye = antenna.antenna.m;
-  const Obstacle highest = highest_before(scene_, bounds_, eye, point_m);
+  const Obstacle highest = highest_before(scene_, eye, point_m);
   const glm::dvec3 to = point_m - eye;
   const double d = std::sqrt(to.x * to.x + to.z * to.z);
   record.obstacle_range_m = static_cast<float>(highest.d_m);
@@ -227,24 +227,20 @@ void GroundQuery::look(const glm::dvec3& point_m, const Pose& antenna, wire::Gro
     return;
   }
   record.clearance_deg = degrees(std::max(clearance, 0.0));
-  record.sight = passes_unknown(scene_, bounds_, eye, point_m) ? wire::Sight::visible_over_unknown
-                                                               : wire::Sight::visible;
+  record.sight =
+      passes_unknown(scene_, eye, point_m) ? wire::Sight::visible_over_unknown : wire::Sight::visible;
 }
 
-GroundAnswers GroundAnswering::answer(const std::shared_ptr<const Scene>& scene,
-                                      const GroundQuestion& question, const std::stop_token& stop) {
+GroundAnswers answer_ground(const std::shared_ptr<const Scene>& scene, const GroundQuestion& question,
+                            const std::stop_token& stop) {
   GroundAnswers answers;
   std::optional<Pose> antenna;
   if (question.antenna) {
     antenna = place_antenna(scene->world(), *question.antenna, answers.errors);
     if (!antenna) return answers;
   }
-  if (!bounds_ || scene_.lock() != scene) {
-    bounds_ = std::make_unique<const SurfaceBounds>(*scene);
-    scene_ = scene;
-  }
   for (const Material& material : scene->materials()) answers.materials.push_back(material.name);
-  const GroundQuery query(*scene, *bounds_);
+  const GroundQuery query(*scene);
   for (std::size_t k = 0; k < question.points() && !stop.stop_requested(); ++k) {
     PointHeight height;
     if (!question.height_m.empty())

@@ -9,16 +9,13 @@
 #include <vector>
 
 #include "proto/ground_record.h"
-#include "server/ground_query/plumb_line.h"
 #include "server/ground_query/question.h"
-#include "server/ground_query/surface_bounds.h"
 #include "server/radar/geometry/pose.h"
+#include "server/radar/profile/plumb_line.h"
 #include "server/scene/scene.h"
+#include "server/scene/surface_bounds.h"
 
 namespace obliq {
-
-/// What lies less than this under a surface counts as on it, and what less than this hides is seen.
-constexpr double kOnSurface_m = 1e-3;
 
 struct PointHeight {
   double m = 0;
@@ -29,7 +26,7 @@ struct PointHeight {
 /// Answers about one scene, place by place. Both must outlive it. Immutable, for any number of threads.
 class GroundQuery {
  public:
-  GroundQuery(const Scene& scene, const SurfaceBounds& bounds);
+  explicit GroundQuery(const Scene& scene);
 
   /// antenna: null, or whose sight of the point at that height is asked for.
   wire::GroundRecord answer(double latitude_deg, double longitude_deg, const PointHeight& height,
@@ -46,7 +43,6 @@ class GroundQuery {
   void look(const glm::dvec3& point_m, const Pose& antenna, wire::GroundRecord& record) const;
 
   const Scene& scene_;
-  const SurfaceBounds& bounds_;
   std::vector<bool> is_water_;  ///< by material
 };
 
@@ -56,17 +52,8 @@ struct GroundAnswers {
   std::vector<FieldError> errors;
 };
 
-/// Answers questions about a scene that may be another each time, and keeps what it has worked out of the
-/// last one. For one thread at a time.
-class GroundAnswering {
- public:
-  /// The question has been checked (faults_of). A stop leaves records out.
-  GroundAnswers answer(const std::shared_ptr<const Scene>& scene, const GroundQuestion& question,
-                       const std::stop_token& stop = {});
-
- private:
-  std::weak_ptr<const Scene> scene_;  ///< not held: a scene that was replaced goes
-  std::unique_ptr<const SurfaceBounds> bounds_;
-};
+/// The question has been checked (faults_of). A stop leaves records out.
+GroundAnswers answer_ground(const std::shared_ptr<const Scene>& scene, const GroundQuestion& question,
+                            const std::stop_token& stop = {});
 
 }  // namespace obliq

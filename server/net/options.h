@@ -10,7 +10,7 @@
 #include "server/control/sections/server.h"
 #include "server/flight/window.h"
 #include "server/ground_query/ground_query.h"
-#include "server/radar/settings.h"
+#include "server/radar/targets/target.h"
 #include "server/rendering/rendered.h"
 
 namespace obliq::net {
@@ -44,6 +44,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   double stop_grace_s = 0.5;                          ///< for the last message to each client when stopping
 
   int render_threads = 0;  ///< 0: all cores
+  TargetsPtr targets;      ///< in the world; null: none
   int materials = 255;     ///< of the scene, at most
   /// Told where all radars are, in their order, whenever one has moved or looks further. On the io thread;
   /// must be quick.

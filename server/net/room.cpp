@@ -30,6 +30,7 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
       render_(renderer, *this,
               {.threads = options_.render_threads,
                .slice_bytes = options_.slice_bytes,
+               .targets = options_.targets,
                .live_frames = options_.live_frames}),
       radars_(options_, radars, render_, log_) {
   set_limits(options_);

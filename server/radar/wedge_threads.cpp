@@ -6,11 +6,13 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "server/radar/receiver/receiver.h"
+#include "server/radar/targets/target_echoes.h"
 #include "server/radar/wedge_sums.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/asking.h"
@@ -48,7 +50,9 @@ class WedgeThreads {
       : plan_(plan),
         options_(options),
         tables_(plan.looks_at()),
-        sums_(make_wedge_sums(plan, first_wedge, end_wedge, options)) {}
+        sums_(make_wedge_sums(plan, first_wedge, end_wedge, options)) {
+    if (options.targets != nullptr) targets_.emplace(plan, air_view(plan.looks_at()), *options.targets, options.draw, options.dwell);
+  }
 
   /// False when stopped.
   bool run(int threads) {
@@ -78,8 +82,8 @@ class WedgeThreads {
     }
   }
 
-  /// Look, echoes, beam and pulse, receive: the next wedge that is to be looked at, and those for the display
-  /// that are ready then. False when nothing is left, or nothing to go on for.
+  /// Look, echoes, beam and pulse, targets, receive: the next wedge that is to be looked at, and those for
+  /// the display that are ready then. False when nothing is left, or nothing to go on for.
   bool go_on(WedgeWork& work) {
     for (Wedge ready; !stopped() && !failed_ && sums_->next(work.sums, ready);) receive(std::move(ready));
     const int k = next_++;
@@ -92,6 +96,10 @@ class WedgeThreads {
   }
 
   void receive(Wedge&& wedge) {
+    if (targets_) {
+      const StageProbe probe(Stage::bin);
+      targets_->add(wedge.bins, options_.iq);
+    }
     if (options_.receiver != nullptr) {
       const StageProbe probe(Stage::bin);
       options_.receiver->receive(wedge.bins, {options_.iq, options_.video8, options_.video16});
@@ -113,6 +121,7 @@ class WedgeThreads {
   const RenderOptions& options_;
   const FrameTables tables_;
   const std::unique_ptr<WedgeSums> sums_;
+  std::optional<TargetEchoes> targets_;
   std::atomic<int> next_{0};
   std::atomic<bool> stopped_{false};
   std::atomic<bool> failed_{false};

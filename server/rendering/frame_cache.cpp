@@ -114,21 +114,24 @@ class FrameCache::Frame : public PlannedFrame {
   AirView air() const override { return frame_->air(); }
 
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
+    const auto targets = frame_->targets(options);
     const SharpPlanes planes{options.iq, wants_look(options, settings_->settings), options.states,
                              options.labels};
-    if (const auto part = place_->find(azimuths, planes)) return repeat(*part, options);
+    if (const auto part = place_->find(azimuths, planes)) return repeat(*part, options, targets.get());
     const auto frame = frame_->again(place_->pose());  // knows what this part alone has seen
     if (!frame) return frame_->render(azimuths, options);
     const auto fresh = std::make_shared<Part>();
     fresh->azimuths = azimuths;
     fresh->planes = planes;
-    // What is kept are the echoes: the receiver makes something else of them in each frame.
+    // What is kept are the echoes of the ground: targets move, and the receiver makes something else of them
+    // in each frame.
     RenderOptions with_copy = options;
     with_copy.receiver = nullptr;
+    with_copy.targets = nullptr;
     with_copy.on_wedge = [&](Wedge&& wedge) {
       fresh->bytes += bytes_of(wedge.bins);
       fresh->wedges.push_back(wedge);
-      give(std::move(wedge), options);
+      give(std::move(wedge), options, targets.get());
     };
     if (!frame->render(azimuths, with_copy)) return false;
     fresh->seen = frame->seen();
@@ -138,17 +141,18 @@ class FrameCache::Frame : public PlannedFrame {
   }
 
  private:
-  bool repeat(const Part& part, const RenderOptions& options) const {
+  bool repeat(const Part& part, const RenderOptions& options, const TargetEchoes* targets) const {
     for (const Wedge& wedge : part.wedges) {
       if (options.stop.stop_requested()) return false;
-      give(Wedge(wedge), options);
+      give(Wedge(wedge), options, targets);
       ask(kRepeatABin * static_cast<std::int64_t>(wedge.bins.state.size()));
     }
     frame_->see_again(part.seen);
     return true;
   }
 
-  static void give(Wedge&& wedge, const RenderOptions& options) {
+  static void give(Wedge&& wedge, const RenderOptions& options, const TargetEchoes* targets) {
+    if (targets != nullptr) targets->add(wedge.bins, options.iq);
     if (options.receiver)
       options.receiver->receive(wedge.bins, {options.iq, options.video8, options.video16});
     if (options.on_wedge) options.on_wedge(std::move(wedge));

@@ -8,6 +8,7 @@
 #include "proto/plane.h"
 #include "server/radar/receiver/weather.h"
 #include "server/radar/render.h"
+#include "server/radar/targets/target_echoes.h"
 #include "terrain/base/errors.h"
 
 namespace obliq::wire {
@@ -27,6 +28,8 @@ class PlannedFrame {
   virtual void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const = 0;
   /// As obliq::render_wedges.
   virtual bool render(AzimuthRange azimuths, const RenderOptions& options) const = 0;
+  /// What targets render() adds to the echoes of the ground; null: none.
+  virtual std::unique_ptr<const TargetEchoes> targets(const RenderOptions&) const { return nullptr; }
   virtual void summarise(const FrameStats& stats, wire::FrameSummary& summary) const = 0;
   /// Where the antenna is in the air.
   virtual AirView air() const { return {}; }

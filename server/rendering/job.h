@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/radar/render.h"
+#include "server/radar/targets/target.h"
 #include "server/rendering/frame_renderer.h"
 #include "server/rendering/parked_work.h"
 #include "server/rendering/render_events.h"
@@ -37,6 +38,7 @@ struct RenderThreadOptions {
   /// about a second of a core; a few milliseconds where an antenna scans.
   std::int64_t once_work = 200'000'000;
   std::int64_t once_work_while_scanning = 2'000'000;
+  TargetsPtr targets;   ///< in the world; null: none
   int live_frames = 3;  ///< of one radar: rendered or not, as long as some of it waits for a client
   std::int64_t look = WorkGate::kLook;  ///< as WorkGate::look, for tests
   /// What time it is, for tests; empty: the steady clock. When it has jumped, wake() tells the thread.

@@ -218,6 +218,7 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
   std::vector<Wedge> wedges;
   RenderOptions options = pass.render_options(stop);
   options.sharp = &scan_->sharp;
+  options.dwell = static_cast<std::uint64_t>(scan_->next.number);
   options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
   if (!render_wanted(scan_->schedule.azimuths(scan_->next), options)) return false;
   const bool clockwise = scan_->schedule.is_clockwise(scan_->next.pass);

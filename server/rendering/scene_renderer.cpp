@@ -52,6 +52,10 @@ class PlannedSceneFrame : public PlannedFrame {
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     return render_wedges(*plan_, azimuths, options);
   }
+  std::unique_ptr<const TargetEchoes> targets(const RenderOptions& options) const override {
+    if (options.targets == nullptr) return nullptr;
+    return std::make_unique<const TargetEchoes>(*plan_, air(), *options.targets, options.draw, options.dwell);
+  }
   void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
     summarise_frame(*plan_, stats, summary);
   }

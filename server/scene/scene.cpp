@@ -44,6 +44,12 @@ Scene::Scene(std::shared_ptr<const World> world, std::vector<Material> materials
 
 Scene::~Scene() = default;
 
+const SurfaceBounds& Scene::bounds() const {
+  std::call_once(bounding_,
+                 [this] { bounds_ = std::make_unique<const SurfaceBounds>(*world_, fine_tiles_); });
+  return *bounds_;
+}
+
 const EmbreeTracer& Scene::tracer(const Progress& progress) const {
   if (const EmbreeTracer* built = built_tracer()) return *built;
   const std::lock_guard lock(building_);

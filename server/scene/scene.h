@@ -8,6 +8,7 @@
 #include "server/scene/building_index.h"
 #include "server/scene/materials.h"
 #include "server/scene/ray_method.h"
+#include "server/scene/surface_bounds.h"
 #include "server/scene/tile_bounds.h"
 #include "server/scene/tracer_isa.h"
 #include "terrain/base/parallel.h"
@@ -42,6 +43,8 @@ class Scene {
   const TileBounds& fine_tiles() const { return fine_tiles_; }
   const BuildingIndex& building_index() const { return building_index_; }
   const BuildingCircles& circles() const { return circles_; }
+  /// For lines of sight: made by the first call, while other callers wait.
+  const SurfaceBounds& bounds() const;
   /// World y that neither ground nor roofs exceed; -infinity without any.
   double highest_m() const { return highest_m_; }
 
@@ -59,6 +62,8 @@ class Scene {
   mutable std::mutex building_;
   mutable std::unique_ptr<const EmbreeTracer> tracer_;  ///< guarded by building_
   mutable std::atomic<const EmbreeTracer*> built_ = nullptr;
+  mutable std::once_flag bounding_;
+  mutable std::unique_ptr<const SurfaceBounds> bounds_;  ///< by bounding_
 };
 
 }  // namespace obliq

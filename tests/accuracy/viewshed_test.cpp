@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "server/ground_query/ground_query.h"
+#include "server/radar/profile/line_to_point.h"
 #include "server/radar/profile/roofs.h"
 #include "server/scene/embree_tracer.h"
 #include "server/scene/exact_hit.h"
@@ -127,8 +128,7 @@ std::vector<std::uint8_t> own_answer(const World& world, const Survey& s) {
 /// Ground queries' answer in the same order.
 std::vector<std::uint8_t> query_answer(World world, const Survey& s) {
   const auto scene = test::make_scene(std::move(world));
-  const SurfaceBounds bounds(*scene);
-  const GroundQuery query(*scene, bounds);
+  const GroundQuery query(*scene);
   const HeightGrid& grid = scene->world().grid;
   Pose antenna;
   antenna.antenna.m = {0.0, s.antenna_m, 0.0};
@@ -279,8 +279,7 @@ class Comparison {
         world_(scene->world()),
         pose_(pose),
         text_(text),
-        bounds_(*scene),
-        query_(*scene, bounds_) {
+        query_(*scene) {
     view_.antenna_m = pose.antenna.m;
     view_.sector_rad = 2 * std::numbers::pi;
     view_.azimuth_bins = 1;
@@ -337,7 +336,6 @@ class Comparison {
   const World& world_;
   Pose pose_;
   std::string text_;
-  SurfaceBounds bounds_;
   GroundQuery query_;
   ReferenceView view_;
 };

@@ -57,6 +57,7 @@ ALLOWED = {
     "server/radar/rays": TO_PLATES + [R + "rays/plates"],
     "server/radar/sweep": TO_PLAN + [R + "echo"],
     "server/radar/receiver": BASE + WORDS + [R + "simd", R + "beam"],
+    "server/radar/targets": TO_PLAN + [R + "receiver/weather"],
     "server/radar": ["terrain", "server/scene"],
     # The truth shares no code with the pipeline but the material functions.
     "server/truth": ["terrain", "server/scene/materials", "server/radar/echo/scattering"],

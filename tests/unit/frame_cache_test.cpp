@@ -58,6 +58,7 @@ class FrameCache : public testing::Test {
     options.states = states;
     StageTimes times;
     options.times = &times;
+    options.targets = targets_.get();
     options.on_wedge = [&](Wedge&& wedge) {
       sum.add(wedge);
       result.wedges[wedge.index] = std::move(wedge);
@@ -81,6 +82,7 @@ class FrameCache : public testing::Test {
 
   CountingRenderer scenes_{hills(), "hills"};
   net::FrameCache cache_{scenes_};
+  TargetsPtr targets_;
   bool rendered_ = false;  // by the last frame()
   PoseSettings pose_ = test::settings_over_origin(1500);
 };
@@ -102,6 +104,46 @@ TEST_F(FrameCache, TheThirdFrameFromOnePlaceIsTheSecondOne) {
     }
     EXPECT_GT(first.seen, 0u);
   }
+}
+
+/// Bits of a frame that a renderer without a cache makes.
+TEST_F(FrameCache, TargetsMoveOverTheGroundThatIsKept) {
+  Target target;
+  target.id = 1;
+  target.latitude_deg = pose_.latitude_deg + 0.04;
+  target.longitude_deg = pose_.longitude_deg;
+  target.height_m = 300;  // over the hills
+  target.size.rcs_dbsm = 60;
+  target.velocity_m_s = {0, 0, 100};
+  const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
+  const Result bare = frame(settings, pose_);
+  targets_ = std::make_shared<const TargetSet>(TargetSet{1, {target}});
+  const auto differs = [&](const Result& a, const Result& b) {
+    bool any = false;
+    for (const auto& [index, wedge] : a.wedges)
+      any = any || !test::same_bits(wedge.bins.power_w, b.wedges.at(index).bins.power_w);
+    return any;
+  };
+  Result before = bare;
+  for (int k = 0; k < 5; ++k) {
+    pose_.sim_time_ns = std::int64_t{5} * k * 1'000'000'000;
+    const Result cached = frame(settings, pose_);
+    EXPECT_EQ(rendered_, k == 0);  // its second and third frame from there: kept since
+    EXPECT_TRUE(differs(cached, before)) << k;
+    const auto plan = scenes_.SceneRenderer::plan(settings, pose_);
+    Result direct;
+    RenderOptions options;
+    options.targets = targets_.get();
+    options.on_wedge = [&](Wedge&& wedge) { direct.wedges[wedge.index] = std::move(wedge); };
+    EXPECT_TRUE(plan.frame->render(kAll, options));
+    for (const auto& [index, wedge] : direct.wedges)
+      test::expect_same_bits(wedge.bins, cached.wedges.at(index).bins);
+    before = cached;
+  }
+  targets_ = nullptr;
+  const Result again = frame(settings, pose_);
+  for (const auto& [index, wedge] : again.wedges)
+    test::expect_same_bits(wedge.bins, bare.wedges.at(index).bins);
 }
 
 TEST_F(FrameCache, WhatHasChangedIsRenderedAnew) {

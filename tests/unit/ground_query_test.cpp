@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "server/ground_query/plumb_line.h"
 #include "server/ground_query/query_thread.h"
+#include "server/radar/profile/plumb_line.h"
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
@@ -19,11 +19,9 @@ using wire::Sight;
 /// A scene and a query of it.
 struct Asked {
   std::shared_ptr<const Scene> scene;
-  SurfaceBounds bounds;
   GroundQuery query;
 
-  explicit Asked(World world)
-      : scene(test::make_scene(std::move(world))), bounds(*scene), query(*scene, bounds) {}
+  explicit Asked(World world) : scene(test::make_scene(std::move(world))), query(*scene) {}
 
   /// The place under a point of the world frame.
   wire::GroundRecord at(double x_m, double z_m, const PointHeight& height = {},

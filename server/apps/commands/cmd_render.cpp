@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
@@ -11,6 +12,7 @@
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/version/version.h"
+#include "server/control/sections/targets.h"
 #include "server/loading/scene_loading.h"
 #include "server/net/request_limits.h"
 #include "server/output/describe_frame.h"
@@ -19,6 +21,7 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
+#include "server/radar/targets/target_echoes.h"
 #include "server/scene/scene_memory.h"
 #include "server/timing/timing.h"
 #include "terrain/base/errors.h"
@@ -60,6 +63,14 @@ std::shared_ptr<const Scene> build(const std::shared_ptr<const World>& world, co
   auto scene = std::make_shared<const Scene>(world, config.materials, threads, config.rays);
   if (needs_tracer(*scene, radar.settings.frustum)) scene->tracer(terminal_progress());
   return scene;
+}
+
+std::string targets_line(const FramePlan& plan, const TargetSet& set) {
+  std::set<std::uint64_t> seen;
+  const TargetEchoes echoes(plan, air_view(plan.looks_at()), set, 0, 0);
+  for (const TargetEcho& echo : echoes.echoes()) seen.insert(echo.id);
+  return std::to_string(set.targets.size()) + " targets, " + std::to_string(seen.size()) +
+         " of them within the ranges and in sight";
 }
 
 /// The scene is in memory already.
@@ -127,6 +138,8 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   options.video16 = arguments.video_bits == 16;
   options.labels = arguments.labels;
   options.draw = frame_draw(radar.name, receiver.counter());
+  const TargetsPtr targets = targets_of(config);
+  options.targets = targets.get();
   options.on_wedge = [&](Wedge&& wedge) {
     copy_azimuths(wedge.bins, frame.bins);
     sum.add(wedge);
@@ -136,6 +149,7 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   render_wedges(*planned.plan, {0, radar.settings.azimuth_bins}, options);
   frame.stats = sum.total();
   seconds["render_s"] = watch.lap();
+  if (targets) say_on_terminal(targets_line(*planned.plan, *targets));
 
   wire::FrameDescriptor descriptor;
   wire::FrameSummary summary;

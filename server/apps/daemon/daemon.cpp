@@ -112,7 +112,6 @@ class Daemon {
   std::optional<Reloader> reloader_;  ///< the io thread's, once it heeds signals
   std::optional<net::SceneRenderer> renderer_;
   std::optional<net::FrameCache> cache_;
-  GroundAnswering ground_;               ///< the query thread's
   std::unique_ptr<SceneKeeper> keeper_;  ///< exchanges the renderer's scene
   std::optional<net::Server> server_;
   net::Server* serving_ = nullptr;  ///< the io thread's: set when clients are served
@@ -271,7 +270,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
     return keeper_->ground_at({pose.longitude_deg, pose.latitude_deg}, r_max_m);
   };
   options.query_ground = [this](const GroundQuestion& question, const std::stop_token& stop) {
-    return ground_.answer(renderer_->scene(), question, stop);
+    return answer_ground(renderer_->scene(), question, stop);
   };
   options.on_moved = [this](std::vector<RadarPlace> places) { keeper_->poses_changed(std::move(places)); };
   server_.emplace(io_.context(), *cache_, config_.radars, options, std::move(port));

@@ -2,6 +2,7 @@
 
 #include "server/apps/serving.h"
 #include "server/apps/version/version.h"
+#include "server/control/sections/targets.h"
 #include "server/scene/embree_tracer.h"
 #include "terrain/dem/gdal_messages.h"
 
@@ -12,6 +13,7 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.server_version = program_version();
   options.scene_name = config.name;
   options.render_threads = config.threads;
+  options.targets = targets_of(config);
   options.materials = static_cast<int>(config.materials.size());
   return options;
 }

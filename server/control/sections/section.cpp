@@ -4,13 +4,14 @@
 #include <array>
 
 #include "server/control/sections/sources.h"
+#include "server/control/sections/targets.h"
 
 namespace obliq {
 namespace {
 
-constexpr std::array<const Section*, 11> kSections{
-    &kTerrainSection, &kShapeSection, &kEarthSection, &kAccuracySection, &kRunSection,   &kServerSection,
-    &kStreamSection,  &kHttpSection,  &kLogSection,   &kFlightSection,   &kModbusSection};
+constexpr std::array<const Section*, 12> kSections{
+    &kTerrainSection, &kShapeSection, &kEarthSection, &kAccuracySection, &kRunSection,    &kServerSection,
+    &kStreamSection,  &kHttpSection,  &kLogSection,   &kFlightSection,   &kModbusSection, &kTargetsSection};
 
 void read_section(SceneReading& scene, SectionReader& holder, const Section& section) {
   const std::string name(section.name.substr(section.name.rfind('.') + 1));

@@ -101,7 +101,7 @@ struct Planner {
     for (int m = 0; m < plan.sharp.range_bins; ++m) {
       if (m % EchoPlan::kTile == 0) ask(kFunction * EchoPlan::kTile);
       const double range_m = plan.sharp.r_min_m + (m + 0.5) * sharp_range_m;
-      plan.amplitude.push_back(static_cast<float>(std::min(1.0, range_m / response.half_pulse_m())));
+      plan.amplitude.push_back(static_cast<float>(response.left_by_eclipse(range_m)));
     }
   }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "server/radar/beam/taper.h"
@@ -22,6 +23,8 @@ class PointResponse {
   double window_loss_db() const;
   /// c tau / 2: nearer echoes are cut by the transmission itself.
   double half_pulse_m() const { return half_pulse_m_; }
+  /// What the transmission leaves of the voltage of an echo from there, where it cuts echoes.
+  double left_by_eclipse(double range_m) const { return std::min(1.0, range_m / half_pulse_m_); }
 
   /// Bins of that length on either side beyond which p is 0: of a triangle those that it reaches, of a
   /// compressed pulse extent_bins, which cuts it off.

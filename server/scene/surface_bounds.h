@@ -1,8 +1,11 @@
 #pragma once
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "server/scene/scene.h"
+#include "server/scene/tile_bounds.h"
+#include "terrain/world.h"
 
 namespace obliq {
 
@@ -23,7 +26,8 @@ class SurfaceBounds {
   };
   static constexpr int kLarger = 4;
 
-  explicit SurfaceBounds(const Scene& scene);
+  /// fine: of the world's grid, in tiles of TileBounds::kFineCells.
+  SurfaceBounds(const World& world, const TileBounds& fine);
 
   /// The smallest squares first.
   const std::vector<Level>& levels() const { return levels_; }

@@ -1,4 +1,4 @@
-#include "server/ground_query/surface_bounds.h"
+#include "server/scene/surface_bounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +32,7 @@ SurfaceBounds::Level larger_of(const SurfaceBounds::Level& smaller) {
 
 }  // namespace
 
-SurfaceBounds::SurfaceBounds(const Scene& scene) {
-  const TileBounds& fine = scene.fine_tiles();
+SurfaceBounds::SurfaceBounds(const World& world, const TileBounds& fine) {
   Level& level = levels_.emplace_back();
   level.cells = fine.cells();
   level.nx = fine.tiles_x();
@@ -45,7 +44,7 @@ SurfaceBounds::SurfaceBounds(const Scene& scene) {
     }
   }
   whole_ = fine.whole();
-  add_roofs(scene.world());
+  add_roofs(world);
   while (levels_.back().highest_m.size() > kFewSquares) levels_.push_back(larger_of(levels_.back()));
   highest_m_ = static_cast<double>(std::ranges::max(levels_.back().highest_m));
 }

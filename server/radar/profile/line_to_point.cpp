@@ -1,4 +1,4 @@
-#include "server/ground_query/line_to_point.h"
+#include "server/radar/profile/line_to_point.h"
 
 #include <algorithm>
 #include <cmath>
@@ -70,12 +70,12 @@ struct Line {
 /// something may stand highest.
 class Look {
  public:
-  Look(const Scene& scene, const SurfaceBounds& bounds, const Line& line)
+  Look(const Scene& scene, const Line& line)
       : scene_(scene),
-        bounds_(bounds),
+        bounds_(scene.bounds()),
         line_(line),
         ground_(ground_view(line.grid, line.antenna_m)),
-        from_above_(bounds.highest_m() <= line.antenna_m.y) {}
+        from_above_(bounds_.highest_m() <= line.antenna_m.y) {}
 
   const Obstacle& highest() const { return highest_; }
 
@@ -212,20 +212,19 @@ bool meets_gap(const SurfaceBounds& bounds, const Line& line, std::size_t level_
 
 }  // namespace
 
-Obstacle highest_before(const Scene& scene, const SurfaceBounds& bounds, const glm::dvec3& antenna_m,
-                        const glm::dvec3& point_m) {
+Obstacle highest_before(const Scene& scene, const glm::dvec3& antenna_m, const glm::dvec3& point_m) {
   const Line line(scene.world().grid, antenna_m, point_m);
   if (line.length_m < kStraightDown_m) return {};
   const GroundWalk whole = line.walk(0, line.length_m);
   if (whole.done()) return {};
-  Look look(scene, bounds, line);
+  Look look(scene, line);
   look.look_at_end();
-  look.look(bounds.levels().size() - 1, whole.at_m(), std::min(line.length_m, whole.end_m()));
+  look.look(scene.bounds().levels().size() - 1, whole.at_m(), std::min(line.length_m, whole.end_m()));
   return look.highest();
 }
 
-bool passes_unknown(const Scene& scene, const SurfaceBounds& bounds, const glm::dvec3& antenna_m,
-                    const glm::dvec3& point_m) {
+bool passes_unknown(const Scene& scene, const glm::dvec3& antenna_m, const glm::dvec3& point_m) {
+  const SurfaceBounds& bounds = scene.bounds();
   const Line line(scene.world().grid, antenna_m, point_m);
   if (line.length_m < kStraightDown_m) return false;
   const GroundWalk whole = line.walk(0, line.length_m);

@@ -1,4 +1,4 @@
-#include "server/ground_query/plumb_line.h"
+#include "server/radar/profile/plumb_line.h"
 
 #include <cmath>
 

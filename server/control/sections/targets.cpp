@@ -1,0 +1,186 @@
+#include "server/control/sections/targets.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "server/control/sections/platform.h"
+#include "server/control/sections/section.h"
+
+namespace obliq {
+namespace {
+
+using Of = RowsOf<Change::restart, &TargetType::size>;
+using Its = RowsOf<Change::restart>;
+constexpr Limits kSpeed = closed(-kMostSpeed_m_s, kMostSpeed_m_s);
+constexpr Limits kPush = closed(-1000, 1000);
+constexpr Limits kExtent = closed(0, 1000);
+constexpr std::size_t kMost = 10000;
+constexpr std::array kHeightReferences{Choice{"datum"}, Choice{"ground"}, Choice{"ellipsoid"}};
+
+/// The keys of a type, which a target may set for itself.
+template <class Rows, auto... to>
+constexpr auto size_rows() {
+  return std::array{
+      Rows::template row<to..., &TargetSize::rcs_dbsm>("rcs_dbsm", "dB m^2", closed(-100, 100),
+                                                       "Mean radar cross section."),
+      Rows::template row<to..., &TargetSize::swerling>(
+          "swerling", "", closed(0, 4),
+          "Swerling's case: 0 steady; 1 and 2 of many scatterers; 3 and 4 of one large one among many; 1 and "
+          "3 stay for a pass or a frame, 2 and 4 for a dwell."),
+      Rows::template row<to..., &TargetSize::length_m>(
+          "length_m", "m", kExtent, "Length of what echoes; 0: a point. Swerling 0, 3 and 4 are points."),
+      Rows::template row<to..., &TargetSize::width_m>("width_m", "m", kExtent, "Its width."),
+      Rows::template row<to..., &TargetSize::top_m>("top_m", "m", kExtent,
+                                                    "Height over its foot: what a hill must hide."),
+  };
+}
+
+constexpr std::array kTypeRows = size_rows<Of>();
+
+constexpr std::array kPlaceRows{
+    Its::row<&Target::latitude_deg>("latitude_deg", "deg", closed(-90, 90), "Where it is."),
+    Its::row<&Target::longitude_deg>("longitude_deg", "deg", closed(-360, 360), "Where it is."),
+    Its::row<&Target::height_m>("height_m", "m", closed(-1e3, 1e6), "Of its foot, over the reference."),
+    Its::row<&Target::height_reference>(
+        "height_reference", "", kHeightReferences,
+        "What the height counts from: the ground as it is loaded, the datum or the ellipsoid."),
+    Its::row<&Target::geoid_undulation_m>(
+        "geoid_undulation_m", "m", closed(-200, 200),
+        "Of the geoid over the ellipsoid, for a height over the ellipsoid."),
+    Its::row<&Target::velocity_m_s, &glm::dvec3::z>("velocity_north_m_s", "m/s", kSpeed,
+                                                    "Along its own north."),
+    Its::row<&Target::velocity_m_s, &glm::dvec3::x>("velocity_east_m_s", "m/s", kSpeed,
+                                                    "Along its own east."),
+    Its::row<&Target::velocity_m_s, &glm::dvec3::y>("velocity_up_m_s", "m/s", kSpeed, "Upwards."),
+    Its::row<&Target::acceleration_m_s2, &glm::dvec3::z>("acceleration_north_m_s2", "m/s^2", kPush,
+                                                         "Along its own north."),
+    Its::row<&Target::acceleration_m_s2, &glm::dvec3::x>("acceleration_east_m_s2", "m/s^2", kPush,
+                                                         "Along its own east."),
+    Its::row<&Target::acceleration_m_s2, &glm::dvec3::y>("acceleration_up_m_s2", "m/s^2", kPush, "Upwards."),
+    Its::row<&Target::heading_deg>(
+        "heading_deg", "deg", closed(-360, 360),
+        "Where its nose points, clockwise from north; left out: along its course."),
+    Its::row<&Target::heading_rate_deg_s>("heading_rate_deg_s", "deg/s", closed(-360, 360),
+                                          "How fast it turns."),
+    Its::row<&Target::sim_time_ns>("sim_time_ns", "ns", kAny,
+                                   "Of place, velocity and heading, in the clock of the poses."),
+};
+
+constexpr std::array kOwnRows = size_rows<Its, &Target::size>();
+
+constexpr std::array kRows = [] {
+  std::array<Row<Target>, kPlaceRows.size() + kOwnRows.size()> all{};
+  std::ranges::copy(kOwnRows, std::ranges::copy(kPlaceRows, all.begin()).out);
+  return all;
+}();
+
+using Common = RowsOf<Change::restart>;
+constexpr std::array kTargetsRows{
+    Common::row<&SceneConfig::target_seed>("targets.seed", kAny,
+                                           "Each seed gives targets another fluctuation and other phases."),
+};
+
+}  // namespace
+
+const Section kTargetsSection{"targets", {kTargetsRows}};
+
+std::span<const Row<TargetType>> target_type_rows() { return kTypeRows; }
+std::span<const Row<Target>> target_rows() { return kRows; }
+
+void read_target_types(SceneReading& scene) {
+  scene.top.one_table("target_types", [&](const ConfigNode& all) {
+    for (const ConfigNode& table : all.items) {
+      const std::string full_name = "target_types." + toml_key(table.key);
+      if (table.kind != ConfigNode::Kind::table || table.key.empty() || table.key.size() > 64) {
+        scene.complaints.add(table.where, {full_name, table.found_text(), "a table [target_types.NAME]"});
+        continue;
+      }
+      TargetType type;
+      type.name = table.key;
+      SectionReader reader(table, full_name, scene.complaints);
+      read_keys<TargetType>(scene, reader, {kTypeRows}, "", type);
+      reader.finish();
+      scene.config.target_types.push_back(std::move(type));
+    }
+    std::ranges::sort(scene.config.target_types, {}, &TargetType::name);
+  });
+}
+
+namespace {
+
+void read_type(SceneReading& scene, SectionReader& reader, TargetConfig& target) {
+  reader.read("type", Key{"target.type", ""}, &target.type);
+  const std::vector<TargetType>& types = scene.config.target_types;
+  const auto type = std::ranges::find(types, target.type, &TargetType::name);
+  if (type != types.end()) {
+    target.target.size = type->size;
+    return;
+  }
+  std::string allowed = types.empty() ? "the name of a table [target_types.NAME] of this file" : "one of";
+  for (const TargetType& each : types)
+    allowed += (&each == &types.front() ? " " : ", ") + toml_string(each.name);
+  const ConfigNode* node = reader.table().find("type");
+  scene.complaints.add(node != nullptr ? node->where : reader.table().where,
+                       {"target.type", node != nullptr ? node->found_text() : "nothing", allowed});
+}
+
+TargetConfig read_target(SceneReading& scene, const ConfigNode& table) {
+  TargetConfig config;
+  SectionReader reader(table, "target", scene.complaints);
+  read_name(reader, "target.name", config.name);
+  read_type(scene, reader, config);
+  read_keys<Target>(scene, reader, {kRows}, "", config.target);
+  const auto demand = [&](const char* name, const char* what) {
+    if (table.find(name) == nullptr)
+      scene.complaints.add(table.where, {std::string("target.") + name, "nothing", what});
+  };
+  if (config.name.empty() && table.find("name") == nullptr) demand("name", "a name of its own");
+  demand("latitude_deg", "a latitude");
+  demand("longitude_deg", "a longitude");
+  if (config.target.height_reference == HeightReference::ellipsoid)
+    demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
+  reader.finish();
+  return config;
+}
+
+}  // namespace
+
+void read_targets(SceneReading& scene) {
+  std::set<std::string> names;
+  scene.top.each_table("target", [&](const ConfigNode& table) {
+    std::vector<TargetConfig>& all = scene.config.targets;
+    if (all.size() == kMost) {
+      scene.complaints.add(table.where, {"target", "one more than " + std::to_string(kMost),
+                                         std::to_string(kMost) + " tables [[target]] at most"});
+      return;
+    }
+    if (all.size() > kMost) return;
+    all.push_back(read_target(scene, table));
+    all.back().target.id = all.size();
+    if (const std::string& name = all.back().name; !name.empty() && !names.insert(name).second)
+      scene.complaints.add(table.where, {"target.name", "a second " + toml_string(name),
+                                         "a name of its own for each [[target]]"});
+  });
+}
+
+std::string printed_targets(const SceneConfig& config) {
+  std::string text;
+  for (const TargetType& type : config.target_types)
+    text += "\n[target_types." + toml_key(type.name) + "]\n" +
+            printed_keys<TargetType>({kTypeRows}, "", type, config);
+  for (const TargetConfig& target : config.targets)
+    text += "\n[[target]]\nname = " + toml_string(target.name) + "\ntype = " + toml_string(target.type) +
+            "\n" + printed_keys<Target>({kRows}, "", target.target, config);
+  return text;
+}
+
+TargetsPtr targets_of(const SceneConfig& config) {
+  if (config.targets.empty()) return nullptr;
+  auto set = std::make_shared<TargetSet>();
+  set->seed = config.target_seed;
+  for (const TargetConfig& target : config.targets) set->targets.push_back(target.target);
+  return set;
+}
+
+}  // namespace obliq

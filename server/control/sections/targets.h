@@ -1,0 +1,28 @@
+#pragma once
+// [target_types.NAME] and [[target]]: vehicles, ships and aircraft.
+#include <span>
+#include <string>
+
+#include "server/control/row.h"
+#include "server/control/sections/target_config.h"
+
+namespace obliq {
+
+struct SceneConfig;
+struct SceneReading;
+struct Section;
+
+extern const Section kTargetsSection;
+
+std::span<const Row<TargetType>> target_type_rows();
+std::span<const Row<Target>> target_rows();
+
+void read_target_types(SceneReading& scene);
+/// After their types.
+void read_targets(SceneReading& scene);
+std::string printed_targets(const SceneConfig& config);
+
+/// What is rendered of them; null: none.
+TargetsPtr targets_of(const SceneConfig& config);
+
+}  // namespace obliq

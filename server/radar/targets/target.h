@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "server/radar/settings.h"
+
+namespace obliq {
+
+/// What of a target echoes.
+struct TargetSize {
+  double rcs_dbsm = 10;  ///< mean radar cross section
+  int swerling = 1;      ///< 0 to 4 (fluctuation.h)
+  // 0: a point. Of Swerling 1 and 2 alone, which are of many scatterers; the others are points.
+  double length_m = 0;
+  double width_m = 0;
+  double top_m = 0;  ///< over its foot: what must be hidden
+
+  bool operator==(const TargetSize&) const = default;
+};
+
+/// A vehicle, a ship or an aircraft, in the operator's units.
+struct Target {
+  std::uint64_t id = 0;
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+  double height_m = 0;  ///< of its foot
+  HeightReference height_reference = HeightReference::ground;
+  double geoid_undulation_m = 0;  ///< used with HeightReference::ellipsoid only
+  // Along its own east, up and north; each part at most kMostSpeed_m_s.
+  glm::dvec3 velocity_m_s{0.0};
+  glm::dvec3 acceleration_m_s2{0.0};
+  std::optional<double> heading_deg;  ///< where its nose points; empty: along its course
+  double heading_rate_deg_s = 0;
+  TargetSize size;
+  std::int64_t sim_time_ns = 0;  ///< of place, velocity and heading, in the clock of the poses
+
+  bool operator==(const Target&) const = default;
+};
+
+/// All that are in the world. Never changes.
+struct TargetSet {
+  std::int64_t seed = 1;        ///< of their fluctuation
+  std::vector<Target> targets;  ///< rising by id, each once
+};
+using TargetsPtr = std::shared_ptr<const TargetSet>;
+
+}  // namespace obliq

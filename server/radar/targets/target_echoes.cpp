@@ -1,0 +1,208 @@
+#include "server/radar/targets/target_echoes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "server/radar/simd/exact_math.h"
+#include "server/radar/targets/seen_share.h"
+#include "server/radar/targets/target_place.h"
+#include "terrain/base/asking.h"
+#include "terrain/base/hash.h"
+#include "terrain/base/units.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kTurn_rad = 2 * std::numbers::pi;
+/// Of the voltage at the peak: bins with less are left as they are.
+constexpr double kLeastWeight = 1e-4;
+/// What is nearer counts as so near, or the radar equation has no bound.
+constexpr double kLeastRange_m = 1;
+constexpr int kMostScatterers = 16;
+/// In units of ask(): a target's place and line of sight, a bin.
+constexpr int kTargetWork = 20000;
+constexpr int kBinWork = 4;
+
+SinCos sincos(double angle_rad) { return sincos_turns(angle_rad / kTurn_rad); }
+
+std::complex<double> phasor(double modulus, double turns) {
+  const SinCos at = sincos_turns(turns);
+  return {modulus * at.cos, modulus * at.sin};
+}
+
+}  // namespace
+
+TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets,
+                           std::uint64_t frame, std::uint64_t dwell)
+    : plan_(plan),
+      draw_{static_cast<std::uint64_t>(targets.seed), frame, dwell},
+      settings_(plan.settings()),
+      azimuth_(settings_),
+      elevation_(settings_, plan.looks_at().antenna_gain().tilt_rad()),
+      response_(settings_),
+      beam_(azimuth_, settings_.scan_mode == ScanMode::frame ? 0 : plan.bins().azimuth_width_rad,
+            plan.bins().azimuth_width_rad),
+      constant_(0),
+      wavelength_m_(wavelength_at(settings_.frequency_ghz)),
+      gain_(std::pow(10.0, settings_.gain_db / 10)) {
+  constant_ = radar_equation_constant(settings_.power_w, wavelength_m_);
+  if (attenuates(settings_)) loss_db_km_ = path_loss_db_km(settings_, air);
+  for (int m = 0; m < plan.bins().n_range && normalises_samples(settings_); ++m) {
+    const double range_m = plan.bins().r_min_m + (m + 0.5) * plan.bins().range_spacing_m;
+    range2_m2_.push_back(range_m * range_m);
+  }
+  for (const Target& target : targets.targets) {
+    see(target);
+    ask(kTargetWork);
+  }
+}
+
+void TargetEchoes::see(const Target& target) {
+  const Scene& scene = plan_.scene();
+  const glm::dvec3& antenna_m = plan_.sector().antenna_m;
+  const auto place = place_target(scene.world(), target, plan_.pose().settings.sim_time_ns);
+  if (!place) return;
+  const glm::dvec3 way_m = place->foot_m - antenna_m;
+  const double reach_m = response_.reach_bins(plan_.bins().range_spacing_m, settings_.pulse.extent_bins) *
+                             plan_.bins().range_spacing_m +
+                         target.size.length_m + target.size.width_m;
+  const double range_m = glm::length(way_m);
+  if (range_m > settings_.r_max_m + reach_m || range_m < settings_.r_min_m - reach_m) return;
+  const double share = seen_share(scene, antenna_m, place->foot_m, target.size.top_m);
+  if (!(share > 0)) return;
+
+  // How many half cells of range or azimuth it covers as the antenna looks at it: so many scatterers.
+  const SinCos nose = sincos(place->heading_rad);
+  const double ground_m = std::hypot(way_m.x, way_m.z);
+  const double along = ground_m > 0 ? std::abs(way_m.x * nose.sin + way_m.z * nose.cos) / ground_m : 1;
+  const double aside = std::sqrt(std::max(0.0, 1 - along * along));
+  const double deep_m = std::max(target.size.length_m * along, target.size.width_m * aside);
+  const double broad_m = std::max(target.size.length_m * aside, target.size.width_m * along);
+  const double cell_rad =
+      std::max(plan_.bins().azimuth_width_rad,
+               settings_.beam.pattern == BeamPattern::off ? 0 : settings_.beam.width_deg * kDegree_rad);
+  const double cells = 2 * std::max(deep_m / plan_.bins().range_spacing_m,
+                                    broad_m / (cell_rad * std::max(ground_m, kLeastRange_m)));
+  const bool is_of_many = target.size.swerling == 1 || target.size.swerling == 2;
+  if (!is_of_many || cells <= 1) {
+    const Fluctuation look = fluctuation(target.size.swerling, target.id, draw_);
+    add_scatterer(target, place->foot_m, share, phasor(std::sqrt(look.power), look.phase_turns));
+    return;
+  }
+  const auto n = static_cast<int>(std::min<double>(kMostScatterers, std::ceil(cells)));
+  const std::uint64_t places = target_key(draw_.seed, target.id, 0);
+  for (int k = 0; k < n; ++k) {
+    // Where it is stays; its draw is a target's of its own.
+    const std::uint64_t own = mix64(places + 16 + static_cast<std::uint64_t>(k));
+    const double ahead_m = target.size.length_m * (uniform_of_hash(own) - 0.5);
+    const double right_m = target.size.width_m * (turns_of_hash(own) - 0.5);
+    const glm::dvec3 at_m = place->foot_m + glm::dvec3(ahead_m * nose.sin + right_m * nose.cos, 0,
+                                                       ahead_m * nose.cos - right_m * nose.sin);
+    // Swerling 1 keeps the draw of the frame, the phase with it.
+    TargetDraw draw = draw_;
+    if (target.size.swerling == 1) draw.dwell = 0;
+    const Fluctuation look = fluctuation(2, own, draw);
+    add_scatterer(target, at_m, share / n, phasor(std::sqrt(look.power), look.phase_turns));
+  }
+}
+
+void TargetEchoes::add_scatterer(const Target& target, const glm::dvec3& at_m, double share,
+                                 std::complex<double> drawn) {
+  const Sector& sector = plan_.sector();
+  const glm::dvec3 way_m = at_m - sector.antenna_m;
+  const double range_m = std::max(glm::length(way_m), kLeastRange_m);
+  const double sine = std::clamp(way_m.y / range_m, -1.0, 1.0);
+  // About the antenna's own vertical, as the ground's elevation is.
+  const AntennaGain& gain = plan_.looks_at().antenna_gain();
+  const ElevationTable& lean = gain.elevation();
+  const double own_sine =
+      std::clamp(gain.rise() * (sine + (lean.lean_x * way_m.x + lean.lean_z * way_m.z) / range_m), -1.0, 1.0);
+  TargetEcho echo;
+  echo.id = target.id;
+  echo.range_m = range_m;
+  const double ahead = sector.ahead_m(at_m.x, at_m.z), right = sector.right_m(at_m.x, at_m.z);
+  echo.azimuth_rad = bearing_of(right, ahead);
+  echo.cos_elevation = std::sqrt(std::max(0.0, 1 - sine * sine));
+  if (const EchoPlan* sum = plan_.sum(); sum != nullptr && sum->ground) {
+    const glm::dvec3 own = sum->ground->axes.own(glm::dvec3(ahead, right, way_m.y) / range_m);
+    echo.azimuth_rad = bearing_of(own.y, own.x);
+    echo.cos_elevation = std::sqrt(std::max(0.0, 1 - own.z * own.z));
+  }
+  const double antenna = gain_ * elevation_.power_gain(std::asin(own_sine));
+  const double r2 = range_m * range_m;
+  double left = share * path_power_factor(loss_db_km_, range_m);
+  if (settings_.pulse.kind != PulseKind::off && settings_.pulse.eclipse) {
+    const double voltage = response_.left_by_eclipse(range_m);
+    left *= voltage * voltage;
+  }
+  echo.power_w =
+      left * radar_equation(constant_, antenna, std::pow(10.0, target.size.rcs_dbsm / 10), r2 * r2);
+  const double round_trips = 2 * range_m / wavelength_m_;
+  echo.voltage = drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
+  echoes_.push_back(echo);
+}
+
+/// Two-way voltage pattern; without a beam 1 in the bin that holds it.
+double TargetEchoes::azimuth_weight(const TargetEcho& echo, int azimuth) const {
+  const BinGrid& bins = plan_.bins();
+  if (settings_.beam.pattern == BeamPattern::off) {
+    const double turns = (echo.azimuth_rad - bins.azimuth_start_rad) / kTurn_rad;
+    const double fraction = turns - std::floor(turns);  // may be rounded to 1, which is the seam
+    const double position = fraction < 1 ? fraction * kTurn_rad / bins.azimuth_width_rad : 0;
+    return static_cast<int>(position) == azimuth ? 1 : 0;
+  }
+  const double offset_rad =
+      std::remainder(echo.azimuth_rad - bins.azimuth_edge_rad(azimuth + 0.5), kTurn_rad);
+  if (std::abs(offset_rad) > beam_.extent_rad(echo.cos_elevation)) return 0;
+  return beam_.gain(offset_rad, echo.cos_elevation);
+}
+
+void TargetEchoes::add(BinBlock& bins, bool iq) const {
+  const BinGrid& grid = plan_.bins();
+  const bool sharp = settings_.pulse.kind == PulseKind::off;
+  const int reach = response_.reach_bins(grid.range_spacing_m, settings_.pulse.extent_bins);
+  std::vector<double> responses;
+  for (const TargetEcho& echo : echoes_) {
+    responses.clear();
+    int first = 0;
+    for (int a = 0; a < bins.n_azimuth; ++a) {
+      const double gain = azimuth_weight(echo, bins.first_azimuth + a);
+      if (!(std::abs(gain) > kLeastWeight)) continue;
+      if (responses.empty()) {
+        const double position = (echo.range_m - grid.r_min_m) / grid.range_spacing_m;
+        const auto own = static_cast<int>(std::floor(position));
+        first = std::max(0, own - reach);
+        const int last = std::min(grid.n_range - 1, own + reach);
+        for (int m = first; m <= last; ++m)
+          responses.push_back(
+              sharp ? 1 : response_.at(grid.r_min_m + (m + 0.5) * grid.range_spacing_m - echo.range_m));
+        ask(10 * static_cast<std::int64_t>(responses.size()));
+        if (responses.empty()) break;
+      }
+      add_to_row(echo, gain, first, responses,
+                 static_cast<std::size_t>(a) * static_cast<std::size_t>(bins.n_range), bins, iq);
+    }
+    ask(40 * bins.n_azimuth);
+  }
+}
+
+void TargetEchoes::add_to_row(const TargetEcho& echo, double gain, int first_range,
+                              const std::vector<double>& responses, std::size_t row, BinBlock& bins,
+                              bool iq) const {
+  ask(kBinWork * static_cast<std::int64_t>(responses.size()));
+  for (std::size_t k = 0; k < responses.size(); ++k) {
+    double weight = gain * responses[k];
+    if (!(std::abs(weight) > kLeastWeight)) continue;
+    const auto m = static_cast<std::size_t>(first_range) + k;
+    if (!range2_m2_.empty()) weight *= range2_m2_[m];
+    bins.power_w[row + m] += echo.power_w * (weight * weight);
+    const std::complex<double> voltage = weight * echo.voltage;
+    if (iq) bins.iq[row + m] = std::complex<float>(std::complex<double>(bins.iq[row + m]) + voltage);
+    if (!bins.look.empty())
+      bins.look[row + m] = std::complex<float>(std::complex<double>(bins.look[row + m]) + voltage);
+  }
+}
+
+}  // namespace obliq

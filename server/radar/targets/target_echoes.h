@@ -1,0 +1,70 @@
+#pragma once
+// The echoes of targets. One of mean cross section s at range r, bearing th and elevation e, of which the
+// share f is seen, adds to bin (k, m)
+//   voltage  sqrt(K s chi f L(r)) / r^2 G_el(e) g((th - th_k) cos e) p(r_m - r) exp(-j 4 pi r / lambda + j
+//   phi) power    K s f L(r) G_el(e)^2 g^2 p^2 / r^4
+// with all that the ground's echoes have too: K of the radar equation (antenna_gain.h), the path's loss L,
+// the elevation pattern G_el, the beam's one-way power g and the point response p; chi and phi are the look's
+// (fluctuation.h). A radar without a beam or a pulse has all of it in the bin that holds the target.
+#include <complex>
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/beam/beam_on_ground.h"
+#include "server/radar/beam/patterns.h"
+#include "server/radar/beam/point_response.h"
+#include "server/radar/bins.h"
+#include "server/radar/frame_plan.h"
+#include "server/radar/receiver/weather.h"
+#include "server/radar/targets/fluctuation.h"
+#include "server/radar/targets/target.h"
+
+namespace obliq {
+
+/// Of one scatterer of a target that is seen, before beam and point response.
+struct TargetEcho {
+  std::uint64_t id = 0;
+  double azimuth_rad = 0;  ///< from the sector's centre, about the axis that the antenna turns on
+  double cos_elevation = 1;
+  double range_m = 0;
+  double power_w = 0;                 ///< mean
+  std::complex<double> voltage{0.0};  ///< sqrt(W), with the draw and the phase of the way
+};
+
+/// What the targets of a frame add to its bins. Each target in the order of the list, each wedge by itself,
+/// so that the bits do not depend on who renders which wedge. Immutable.
+class TargetEchoes {
+ public:
+  /// At the time of the plan's pose. frame, dwell: name the draw (TargetDraw).
+  TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets, std::uint64_t frame,
+               std::uint64_t dwell);
+
+  /// To the echoes of the ground, before the receiver: power, I&Q where they are wanted, and the look of
+  /// video. Counts, states and labels are the ground's.
+  void add(BinBlock& bins, bool iq) const;
+
+  const std::vector<TargetEcho>& echoes() const { return echoes_; }
+
+ private:
+  void see(const Target& target);
+  void add_scatterer(const Target& target, const glm::dvec3& at_m, double share, std::complex<double> drawn);
+  void add_to_row(const TargetEcho& echo, double gain, int first_range, const std::vector<double>& responses,
+                  std::size_t row, BinBlock& bins, bool iq) const;
+  double azimuth_weight(const TargetEcho& echo, int azimuth) const;
+
+  const FramePlan& plan_;
+  const TargetDraw draw_;
+  const RadarSettings& settings_;
+  const AzimuthPattern azimuth_;
+  const ElevationGain elevation_;
+  const PointResponse response_;
+  const BeamOnGround beam_;
+  double constant_;
+  double wavelength_m_;
+  double gain_;
+  double loss_db_km_ = 0;
+  std::vector<double> range2_m2_;  ///< [n_range] of range normalisation; else empty
+  std::vector<TargetEcho> echoes_;
+};
+
+}  // namespace obliq
