@@ -15,12 +15,12 @@
 
 namespace obliq {
 
-class HitObserver;    // server/radar/samples.h
-class SharpStore;     // server/radar/beam/echo_rows.h
-class Receiver;       // server/radar/receiver/receiver.h
-class StageTimes;     // terrain/base/stage_clock.h
-struct AirView;       // server/radar/receiver/weather.h
-struct TargetSet;    // server/radar/targets/target.h
+class HitObserver;  // server/radar/samples.h
+class SharpStore;   // server/radar/beam/echo_rows.h
+class Receiver;     // server/radar/receiver/receiver.h
+class StageTimes;   // terrain/base/stage_clock.h
+struct AirView;     // server/radar/receiver/weather.h
+struct TargetSet;   // server/radar/targets/target.h
 
 struct Wedge {
   int index = 0;  ///< wedge number within the frame, 0 at the sector's left edge
@@ -46,7 +46,7 @@ struct RenderOptions {
   const Receiver* receiver = nullptr;
   /// Vehicles, ships and aircraft among the ground's echoes; null: none.
   const TargetSet* targets = nullptr;
-  std::uint64_t dwell = 0;  ///< of a scan: names the dwell within its pass, for targets that fluctuate
+  std::uint64_t dwell = 0;      ///< of a scan: names the dwell within its pass, for targets that fluctuate
   bool video8 = false;          ///< wanted of the receiver, in 256 levels;
   bool video16 = false;         ///< in 65,536
   StageTimes* times = nullptr;  ///< given what each thread has spent on what; null: nothing is measured

@@ -51,7 +51,8 @@ class WedgeThreads {
         options_(options),
         tables_(plan.looks_at()),
         sums_(make_wedge_sums(plan, first_wedge, end_wedge, options)) {
-    if (options.targets != nullptr) targets_.emplace(plan, air_view(plan.looks_at()), *options.targets, options.draw, options.dwell);
+    if (options.targets != nullptr)
+      targets_.emplace(plan, air_view(plan.looks_at()), *options.targets, options.draw, options.dwell);
   }
 
   /// False when stopped.

@@ -275,11 +275,7 @@ struct Tally {
 class Comparison {
  public:
   Comparison(const std::shared_ptr<const Scene>& scene, const Pose& pose, const std::string& text)
-      : scene_(scene),
-        world_(scene->world()),
-        pose_(pose),
-        text_(text),
-        query_(*scene) {
+      : scene_(scene), world_(scene->world()), pose_(pose), text_(text), query_(*scene) {
     view_.antenna_m = pose.antenna.m;
     view_.sector_rad = 2 * std::numbers::pi;
     view_.azimuth_bins = 1;

@@ -121,7 +121,8 @@ net::ServerOptions session_options() {
   options.ground_at = [](const PoseSettings& pose, double) {
     return pose.latitude_deg < 33.01 ? GroundThere{} : GroundThere{0.25, "no file has ground there"};
   };
-  options.query_ground = [scene = session_scene()](const GroundQuestion& question, const std::stop_token& stop) {
+  options.query_ground = [scene = session_scene()](const GroundQuestion& question,
+                                                   const std::stop_token& stop) {
     return answer_ground(scene, question, stop);
   };
   options.keeper_state = [] {

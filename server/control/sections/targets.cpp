@@ -63,7 +63,7 @@ constexpr std::array kPlaceRows{
         "Where its nose points, clockwise from north; left out: along its course."),
     Its::row<&Target::heading_rate_deg_s>("heading_rate_deg_s", "deg/s", closed(-360, 360),
                                           "How fast it turns."),
-    Its::row<&Target::sim_time_ns>("sim_time_ns", "ns", kAny,
+    Its::row<&Target::sim_time_ns>("sim_time_ns", "ns", closed(-4e18, 4e18),
                                    "Of place, velocity and heading, in the clock of the poses."),
 };
 

@@ -16,13 +16,15 @@ namespace obliq {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;
-/// Of the voltage at the peak: bins with less are left as they are.
-constexpr double kLeastWeight = 1e-4;
+/// Of the beam at its peak: azimuths with less are left as they are.
+constexpr double kLeastGain = 1e-4;
 /// What is nearer counts as so near, or the radar equation has no bound.
 constexpr double kLeastRange_m = 1;
 constexpr int kMostScatterers = 16;
-/// In units of ask(): a target's place and line of sight, a bin.
-constexpr int kTargetWork = 20000;
+/// In units of ask(): a target's place and line of sight, a look at an echo, a gain or a response, a bin.
+constexpr int kTargetWork = 2000;
+constexpr int kEchoWork = 5;
+constexpr int kGainWork = 40;
 constexpr int kBinWork = 4;
 
 SinCos sincos(double angle_rad) { return sincos_turns(angle_rad / kTurn_rad); }
@@ -46,7 +48,8 @@ TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const Targ
             plan.bins().azimuth_width_rad),
       constant_(0),
       wavelength_m_(wavelength_at(settings_.frequency_ghz)),
-      gain_(std::pow(10.0, settings_.gain_db / 10)) {
+      gain_(std::pow(10.0, settings_.gain_db / 10)),
+      circle_bins_(kTurn_rad / plan.bins().azimuth_width_rad) {
   constant_ = radar_equation_constant(settings_.power_w, wavelength_m_);
   if (attenuates(settings_)) loss_db_km_ = path_loss_db_km(settings_, air);
   for (int m = 0; m < plan.bins().n_range && normalises_samples(settings_); ++m) {
@@ -130,6 +133,13 @@ void TargetEchoes::add_scatterer(const Target& target, const glm::dvec3& at_m, d
     echo.azimuth_rad = bearing_of(own.y, own.x);
     echo.cos_elevation = std::sqrt(std::max(0.0, 1 - own.z * own.z));
   }
+  const BinGrid& bins = plan_.bins();
+  const double turns = (echo.azimuth_rad - bins.azimuth_start_rad) / kTurn_rad;
+  const double fraction = turns - std::floor(turns);  // may be rounded to 1, which is the seam
+  echo.position = fraction < 1 ? fraction * circle_bins_ : 0;
+  echo.extent_bins = settings_.beam.pattern == BeamPattern::off
+                         ? 1
+                         : beam_.extent_rad(echo.cos_elevation) / bins.azimuth_width_rad;
   const double antenna = gain_ * elevation_.power_gain(std::asin(own_sine));
   const double r2 = range_m * range_m;
   double left = share * path_power_factor(loss_db_km_, range_m);
@@ -141,68 +151,65 @@ void TargetEchoes::add_scatterer(const Target& target, const glm::dvec3& at_m, d
       left * radar_equation(constant_, antenna, std::pow(10.0, target.size.rcs_dbsm / 10), r2 * r2);
   const double round_trips = 2 * range_m / wavelength_m_;
   echo.voltage = drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
-  echoes_.push_back(echo);
+  respond(echo);
+  if (!echo.responses.empty()) echoes_.push_back(std::move(echo));
 }
 
-/// Two-way voltage pattern; without a beam 1 in the bin that holds it.
+double TargetEchoes::bins_away(const TargetEcho& echo, double middle) const {
+  const double away = middle - echo.position;
+  return away - circle_bins_ * std::nearbyint(away / circle_bins_);
+}
+
 double TargetEchoes::azimuth_weight(const TargetEcho& echo, int azimuth) const {
+  if (settings_.beam.pattern == BeamPattern::off) return static_cast<int>(echo.position) == azimuth ? 1 : 0;
+  const double away = bins_away(echo, azimuth + 0.5);
+  if (std::abs(away) > echo.extent_bins) return 0;
+  return beam_.gain(away * plan_.bins().azimuth_width_rad, echo.cos_elevation);
+}
+
+/// Nothing where it is beside the swath.
+void TargetEchoes::respond(TargetEcho& echo) const {
   const BinGrid& bins = plan_.bins();
-  if (settings_.beam.pattern == BeamPattern::off) {
-    const double turns = (echo.azimuth_rad - bins.azimuth_start_rad) / kTurn_rad;
-    const double fraction = turns - std::floor(turns);  // may be rounded to 1, which is the seam
-    const double position = fraction < 1 ? fraction * kTurn_rad / bins.azimuth_width_rad : 0;
-    return static_cast<int>(position) == azimuth ? 1 : 0;
+  const bool sharp = settings_.pulse.kind == PulseKind::off;
+  const int reach = response_.reach_bins(bins.range_spacing_m, settings_.pulse.extent_bins);
+  const auto own = static_cast<int>(std::floor((echo.range_m - bins.r_min_m) / bins.range_spacing_m));
+  echo.first_range = std::max(0, own - reach);
+  for (int m = echo.first_range; m <= std::min(bins.n_range - 1, own + reach); ++m) {
+    double response = 1;
+    if (!sharp) response = response_.at(bins.r_min_m + (m + 0.5) * bins.range_spacing_m - echo.range_m);
+    if (!range2_m2_.empty()) response *= range2_m2_[static_cast<std::size_t>(m)];
+    echo.responses.push_back(static_cast<float>(response));
   }
-  const double offset_rad =
-      std::remainder(echo.azimuth_rad - bins.azimuth_edge_rad(azimuth + 0.5), kTurn_rad);
-  if (std::abs(offset_rad) > beam_.extent_rad(echo.cos_elevation)) return 0;
-  return beam_.gain(offset_rad, echo.cos_elevation);
 }
 
 void TargetEchoes::add(BinBlock& bins, bool iq) const {
-  const BinGrid& grid = plan_.bins();
-  const bool sharp = settings_.pulse.kind == PulseKind::off;
-  const int reach = response_.reach_bins(grid.range_spacing_m, settings_.pulse.extent_bins);
-  std::vector<double> responses;
+  ask(kEchoWork * static_cast<std::int64_t>(echoes_.size()));
   for (const TargetEcho& echo : echoes_) {
-    responses.clear();
-    int first = 0;
+    const double middle = bins.first_azimuth + bins.n_azimuth / 2.0;
+    if (std::abs(bins_away(echo, middle)) > echo.extent_bins + bins.n_azimuth) continue;
+    ask(kGainWork * bins.n_azimuth);
     for (int a = 0; a < bins.n_azimuth; ++a) {
       const double gain = azimuth_weight(echo, bins.first_azimuth + a);
-      if (!(std::abs(gain) > kLeastWeight)) continue;
-      if (responses.empty()) {
-        const double position = (echo.range_m - grid.r_min_m) / grid.range_spacing_m;
-        const auto own = static_cast<int>(std::floor(position));
-        first = std::max(0, own - reach);
-        const int last = std::min(grid.n_range - 1, own + reach);
-        for (int m = first; m <= last; ++m)
-          responses.push_back(
-              sharp ? 1 : response_.at(grid.r_min_m + (m + 0.5) * grid.range_spacing_m - echo.range_m));
-        ask(10 * static_cast<std::int64_t>(responses.size()));
-        if (responses.empty()) break;
-      }
-      add_to_row(echo, gain, first, responses,
-                 static_cast<std::size_t>(a) * static_cast<std::size_t>(bins.n_range), bins, iq);
+      if (!(std::abs(gain) > kLeastGain)) continue;
+      add_to_row(echo, gain, static_cast<std::size_t>(a) * static_cast<std::size_t>(bins.n_range), bins, iq);
     }
-    ask(40 * bins.n_azimuth);
   }
 }
 
-void TargetEchoes::add_to_row(const TargetEcho& echo, double gain, int first_range,
-                              const std::vector<double>& responses, std::size_t row, BinBlock& bins,
-                              bool iq) const {
-  ask(kBinWork * static_cast<std::int64_t>(responses.size()));
-  for (std::size_t k = 0; k < responses.size(); ++k) {
-    double weight = gain * responses[k];
-    if (!(std::abs(weight) > kLeastWeight)) continue;
-    const auto m = static_cast<std::size_t>(first_range) + k;
-    if (!range2_m2_.empty()) weight *= range2_m2_[m];
-    bins.power_w[row + m] += echo.power_w * (weight * weight);
-    const std::complex<double> voltage = weight * echo.voltage;
-    if (iq) bins.iq[row + m] = std::complex<float>(std::complex<double>(bins.iq[row + m]) + voltage);
-    if (!bins.look.empty())
-      bins.look[row + m] = std::complex<float>(std::complex<double>(bins.look[row + m]) + voltage);
+void TargetEchoes::add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq) {
+  const std::size_t n = echo.responses.size();
+  ask(kBinWork * static_cast<std::int64_t>(n));
+  const std::size_t first = row + static_cast<std::size_t>(echo.first_range);
+  const double power_w = echo.power_w * (gain * gain);
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto response = static_cast<double>(echo.responses[k]);
+    bins.power_w[first + k] += power_w * (response * response);
   }
+  const std::complex<float> voltage(gain * echo.voltage);
+  if (iq)
+    for (std::size_t k = 0; k < n; ++k) bins.iq[first + k] += echo.responses[k] * voltage;
+  if (!bins.look.empty())
+    for (std::size_t k = 0; k < n; ++k) bins.look[first + k] += echo.responses[k] * voltage;
 }
 
 }  // namespace obliq

@@ -25,6 +25,11 @@ namespace obliq {
 struct TargetEcho {
   std::uint64_t id = 0;
   double azimuth_rad = 0;  ///< from the sector's centre, about the axis that the antenna turns on
+  // In azimuth bins from the sector's left edge: where it is, and how far off it is still seen.
+  double position = 0;
+  double extent_bins = 0;
+  std::vector<float> responses;  ///< in range bins from first_range on
+  int first_range = 0;
   double cos_elevation = 1;
   double range_m = 0;
   double power_w = 0;                 ///< mean
@@ -48,9 +53,12 @@ class TargetEchoes {
  private:
   void see(const Target& target);
   void add_scatterer(const Target& target, const glm::dvec3& at_m, double share, std::complex<double> drawn);
-  void add_to_row(const TargetEcho& echo, double gain, int first_range, const std::vector<double>& responses,
-                  std::size_t row, BinBlock& bins, bool iq) const;
+  static void add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq);
+  /// How far an azimuth bin's middle is from the target, in bins, the short way round.
+  double bins_away(const TargetEcho& echo, double middle) const;
+  /// Two-way voltage pattern; without a beam 1 in the bin that holds the target.
   double azimuth_weight(const TargetEcho& echo, int azimuth) const;
+  void respond(TargetEcho& echo) const;
 
   const FramePlan& plan_;
   const TargetDraw draw_;
@@ -62,6 +70,7 @@ class TargetEchoes {
   double constant_;
   double wavelength_m_;
   double gain_;
+  double circle_bins_;  ///< azimuth bins all the way round
   double loss_db_km_ = 0;
   std::vector<double> range2_m2_;  ///< [n_range] of range normalisation; else empty
   std::vector<TargetEcho> echoes_;
