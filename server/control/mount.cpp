@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 
 #include "terrain/base/units.h"
-#include "terrain/frames.h"
+#include "terrain/tangent_step.h"
 
 namespace obliq {
 namespace {
@@ -37,8 +37,7 @@ PoseSettings riding(const PoseSettings& platform, const Mount& mount, const Pose
   const bool over_ground = platform.height_reference == HeightReference::ground;
   const Geodetic here{platform.latitude_deg * kDegree_rad, platform.longitude_deg * kDegree_rad,
                       over_ground ? 0 : platform.height_m};
-  const WorldFrame frame(here.latitude_rad, here.longitude_rad, 1);
-  const Geodetic there = frame.geodetic_from_world({frame.world_from_geodetic(here).m + arm_m});
+  const Geodetic there = moved(here, arm_m);
   pose.latitude_deg = there.latitude_rad / kDegree_rad;
   pose.longitude_deg = there.longitude_rad / kDegree_rad;
   pose.height_m = over_ground ? platform.height_m + arm_m.y : there.height_m;

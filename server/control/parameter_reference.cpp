@@ -107,8 +107,8 @@ std::string target_page() {
          "`type`, a `[target_types.NAME]` of the same file,\nwhose keys it may set anew for itself. It moves "
          "by "
          "the clock of the poses: at `sim_time_ns` of a pose it has\ntravelled for so long; under poses "
-         "without a "
-         "clock it stands. Read at start.\n\n" +
+         "without "
+         "a clock it stands. Read at start.\n\n" +
          std::string(kSceneHeader) + rows(KeyGroup::list, "target_types.") + rows(KeyGroup::list, "target.");
 }
 

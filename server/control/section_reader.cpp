@@ -52,6 +52,10 @@ const ConfigNode* SectionReader::take(std::string_view name) {
   return table_.find(name);
 }
 
+void SectionReader::demand(std::string_view name, const std::string& what) {
+  if (table_.find(name) == nullptr) complaints_.add(table_.where, {full_name(name), "nothing", what});
+}
+
 void SectionReader::complain(const ConfigNode& node, std::string_view name, const std::string& allowed) {
   complaints_.add(node.where, FieldError{full_name(name), node.found_text(), allowed});
 }

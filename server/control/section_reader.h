@@ -42,6 +42,8 @@ class SectionReader {
   /// Calls `read_table` for a table, or for each table of a list of tables.
   void each_table(std::string_view name, const std::function<void(const ConfigNode&)>& read_table);
 
+  /// Complains where the table does not name it. what: that it is to be.
+  void demand(std::string_view name, const std::string& what);
   void complain(const ConfigNode& node, std::string_view name, const std::string& allowed);
   void finish();
 

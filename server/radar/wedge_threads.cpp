@@ -52,7 +52,10 @@ class WedgeThreads {
         tables_(plan.looks_at()),
         sums_(make_wedge_sums(plan, first_wedge, end_wedge, options)) {
     if (options.targets != nullptr)
-      targets_.emplace(plan, air_view(plan.looks_at()), *options.targets, options.draw, options.dwell);
+      targets_.emplace(
+          plan, air_view(plan.looks_at()), *options.targets,
+          AzimuthRange{first_wedge * kWedgeAzimuthBins, (end_wedge - first_wedge) * kWedgeAzimuthBins},
+          options.draw, options.dwell);
   }
 
   /// False when stopped.

@@ -114,12 +114,12 @@ class FrameCache::Frame : public PlannedFrame {
   AirView air() const override { return frame_->air(); }
 
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
-    const auto targets = frame_->targets(options);
     const SharpPlanes planes{options.iq, wants_look(options, settings_->settings), options.states,
                              options.labels};
-    if (const auto part = place_->find(azimuths, planes)) return repeat(*part, options, targets.get());
+    if (const auto part = place_->find(azimuths, planes)) return repeat(*part, azimuths, options);
     const auto frame = frame_->again(place_->pose());  // knows what this part alone has seen
     if (!frame) return frame_->render(azimuths, options);
+    const auto targets = frame_->targets(azimuths, options);
     const auto fresh = std::make_shared<Part>();
     fresh->azimuths = azimuths;
     fresh->planes = planes;
@@ -141,10 +141,11 @@ class FrameCache::Frame : public PlannedFrame {
   }
 
  private:
-  bool repeat(const Part& part, const RenderOptions& options, const TargetEchoes* targets) const {
+  bool repeat(const Part& part, AzimuthRange azimuths, const RenderOptions& options) const {
+    const auto targets = frame_->targets(azimuths, options);
     for (const Wedge& wedge : part.wedges) {
       if (options.stop.stop_requested()) return false;
-      give(Wedge(wedge), options, targets);
+      give(Wedge(wedge), options, targets.get());
       ask(kRepeatABin * static_cast<std::int64_t>(wedge.bins.state.size()));
     }
     frame_->see_again(part.seen);

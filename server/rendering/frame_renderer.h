@@ -29,7 +29,9 @@ class PlannedFrame {
   /// As obliq::render_wedges.
   virtual bool render(AzimuthRange azimuths, const RenderOptions& options) const = 0;
   /// What targets render() adds to the echoes of the ground; null: none.
-  virtual std::unique_ptr<const TargetEchoes> targets(const RenderOptions&) const { return nullptr; }
+  virtual std::unique_ptr<const TargetEchoes> targets(AzimuthRange, const RenderOptions&) const {
+    return nullptr;
+  }
   virtual void summarise(const FrameStats& stats, wire::FrameSummary& summary) const = 0;
   /// Where the antenna is in the air.
   virtual AirView air() const { return {}; }

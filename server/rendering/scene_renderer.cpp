@@ -52,9 +52,11 @@ class PlannedSceneFrame : public PlannedFrame {
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     return render_wedges(*plan_, azimuths, options);
   }
-  std::unique_ptr<const TargetEchoes> targets(const RenderOptions& options) const override {
+  std::unique_ptr<const TargetEchoes> targets(AzimuthRange azimuths,
+                                              const RenderOptions& options) const override {
     if (options.targets == nullptr) return nullptr;
-    return std::make_unique<const TargetEchoes>(*plan_, air(), *options.targets, options.draw, options.dwell);
+    return std::make_unique<const TargetEchoes>(*plan_, air(), *options.targets, azimuths, options.draw,
+                                                options.dwell);
   }
   void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
     summarise_frame(*plan_, stats, summary);

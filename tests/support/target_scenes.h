@@ -103,6 +103,11 @@ class TargetScene {
     pose.settings.sim_time_ns = sim_time_ns;
     return obliq::render(scene_, snapshot(s), pose, {0, s.azimuth_bins}, options);
   }
+  Frame part(const RadarSettings& s, const TargetSet& set, AzimuthRange azimuths) const {
+    RenderOptions options;
+    options.targets = &set;
+    return obliq::render(scene_, snapshot(s), pose_, azimuths, options);
+  }
   Frame bare(const RadarSettings& s) const {
     return obliq::render(scene_, snapshot(s), pose_, {0, s.azimuth_bins});
   }
@@ -125,7 +130,9 @@ class TargetScene {
  private:
   std::vector<TargetEcho> echoes(const RadarSettings& s, const Target& target, std::uint64_t frame) const {
     const PlanResult planned = plan_frame(scene_, snapshot(s), pose_);
-    return TargetEchoes(*planned.plan, air_view(planned.plan->looks_at()), {1, {target}}, frame, 0).echoes();
+    return TargetEchoes(*planned.plan, air_view(planned.plan->looks_at()), {1, {target}}, {0, s.azimuth_bins},
+                        frame, 0)
+        .echoes();
   }
 
   std::shared_ptr<const Scene> scene_;

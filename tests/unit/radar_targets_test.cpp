@@ -190,6 +190,30 @@ TEST(TargetEchoes, HaveTheSameBitsForAnyThreads) {
   }
 }
 
+TEST(TargetEchoes, OfAPartAreThoseOfTheWhole) {
+  TargetScene scene(level_world());
+  for (const bool beam : {false, true})
+    for (const double sector_deg : {90.0, 360.0}) {
+      RadarSettings s = beam ? beam_settings() : sharp_settings_of_test();
+      s.sector_deg = sector_deg;
+      if (beam && sector_deg > 180) s.azimuth_bins = 1024;
+      TargetSet set;
+      for (std::uint64_t k = 0; k < 200; ++k) {
+        set.targets.push_back(
+            scene.at_range(0.0315 * static_cast<double>(k), 1020 + 40.0 * static_cast<double>(k), 3));
+        set.targets.back().id = k + 1;
+        set.targets.back().size.length_m = k % 3 == 0 ? 300 : 0;
+      }
+      const Frame whole = scene.render(s, set.targets);
+      for (const AzimuthRange part :
+           {AzimuthRange{0, 8}, AzimuthRange{64, 40}, AzimuthRange{s.azimuth_bins - 16, 16}}) {
+        BinBlock expected(part.first, part.count, s.range_bins);
+        copy_azimuths(whole.bins, expected);
+        expect_same_bits(scene.part(s, set, part).bins, expected);
+      }
+    }
+}
+
 TEST(TargetEchoes, MoveByVelocityAndAcceleration) {
   const TargetScene scene(level_world());
   Target target = scene.at_range(0, 5000, 0);

@@ -1,5 +1,6 @@
 #pragma once
 // How the tables of parameters are written.
+#include <array>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -33,6 +34,10 @@ Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std
 }
 
 }  // namespace parameter_table
+
+/// Of antennas and targets.
+inline constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
+                                              Choice{"ellipsoid", "ELLIPSOID"}};
 
 /// The rows of [beam] and [pulse].
 std::span<const Parameter> beam_parameters();

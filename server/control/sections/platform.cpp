@@ -21,14 +21,10 @@ PlatformConfig read_platform(SceneReading& scene, const ConfigNode& table) {
   if (platform.name.empty())
     scene.complaints.add(table.where, {"platform.name", "nothing", "a name that radars ride on"});
   for (const Parameter* p : platform_parameters()) reader.read(local_name(*p), p->key, p->slot(holder));
-  const auto demand = [&](const char* name, const char* why) {
-    if (table.find(name) == nullptr)
-      scene.complaints.add(table.where, {std::string("platform.") + name, "nothing", why});
-  };
-  demand("latitude_deg", "a latitude");
-  demand("longitude_deg", "a longitude");
+  reader.demand("latitude_deg", "a latitude");
+  reader.demand("longitude_deg", "a longitude");
   if (holder.pose.height_reference == HeightReference::ellipsoid)
-    demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
+    reader.demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
   reader.finish();
   platform.pose = holder.pose;
   platform.pose.bearing_deg = platform.pose.heading_deg;

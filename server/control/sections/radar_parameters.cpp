@@ -17,8 +17,6 @@ constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
                                    Choice{"auto", "AUTO_SPECKLE"}};
 constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", "SECTOR_SCAN"},
                                 Choice{"circular", "CIRCULAR_SCAN"}};
-constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
-                                       Choice{"ellipsoid", "ELLIPSOID"}};
 
 using enum ModbusWords;
 using parameter_table::row;

@@ -4,6 +4,7 @@
 #include <array>
 #include <set>
 
+#include "server/control/sections/parameter_row.h"
 #include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
 
@@ -16,7 +17,6 @@ constexpr Limits kSpeed = closed(-kMostSpeed_m_s, kMostSpeed_m_s);
 constexpr Limits kPush = closed(-1000, 1000);
 constexpr Limits kExtent = closed(0, 1000);
 constexpr std::size_t kMost = 10000;
-constexpr std::array kHeightReferences{Choice{"datum"}, Choice{"ground"}, Choice{"ellipsoid"}};
 
 /// The keys of a type, which a target may set for itself.
 template <class Rows, auto... to>
@@ -75,10 +75,9 @@ constexpr std::array kRows = [] {
   return all;
 }();
 
-using Common = RowsOf<Change::restart>;
 constexpr std::array kTargetsRows{
-    Common::row<&SceneConfig::target_seed>("targets.seed", kAny,
-                                           "Each seed gives targets another fluctuation and other phases."),
+    Its::row<&SceneConfig::target_seed>("targets.seed", kAny,
+                                        "Each seed gives targets another fluctuation and other phases."),
 };
 
 }  // namespace
@@ -131,15 +130,11 @@ TargetConfig read_target(SceneReading& scene, const ConfigNode& table) {
   read_name(reader, "target.name", config.name);
   read_type(scene, reader, config);
   read_keys<Target>(scene, reader, {kRows}, "", config.target);
-  const auto demand = [&](const char* name, const char* what) {
-    if (table.find(name) == nullptr)
-      scene.complaints.add(table.where, {std::string("target.") + name, "nothing", what});
-  };
-  if (config.name.empty() && table.find("name") == nullptr) demand("name", "a name of its own");
-  demand("latitude_deg", "a latitude");
-  demand("longitude_deg", "a longitude");
+  reader.demand("name", "a name that no other target has");
+  reader.demand("latitude_deg", "a latitude");
+  reader.demand("longitude_deg", "a longitude");
   if (config.target.height_reference == HeightReference::ellipsoid)
-    demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
+    reader.demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
   reader.finish();
   return config;
 }
@@ -159,8 +154,8 @@ void read_targets(SceneReading& scene) {
     all.push_back(read_target(scene, table));
     all.back().target.id = all.size();
     if (const std::string& name = all.back().name; !name.empty() && !names.insert(name).second)
-      scene.complaints.add(table.where, {"target.name", "a second " + toml_string(name),
-                                         "a name of its own for each [[target]]"});
+      scene.complaints.add(
+          table.where, {"target.name", "a second " + toml_string(name), "another name for each [[target]]"});
   });
 }
 

@@ -37,8 +37,9 @@ std::complex<double> phasor(double modulus, double turns) {
 }  // namespace
 
 TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets,
-                           std::uint64_t frame, std::uint64_t dwell)
+                           AzimuthRange azimuths, std::uint64_t frame, std::uint64_t dwell)
     : plan_(plan),
+      azimuths_(azimuths),
       draw_{static_cast<std::uint64_t>(targets.seed), frame, dwell},
       settings_(plan.settings()),
       azimuth_(settings_),
@@ -46,11 +47,10 @@ TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const Targ
       response_(settings_),
       beam_(azimuth_, settings_.scan_mode == ScanMode::frame ? 0 : plan.bins().azimuth_width_rad,
             plan.bins().azimuth_width_rad),
-      constant_(0),
       wavelength_m_(wavelength_at(settings_.frequency_ghz)),
+      constant_(radar_equation_constant(settings_.power_w, wavelength_m_)),
       gain_(std::pow(10.0, settings_.gain_db / 10)),
       circle_bins_(kTurn_rad / plan.bins().azimuth_width_rad) {
-  constant_ = radar_equation_constant(settings_.power_w, wavelength_m_);
   if (attenuates(settings_)) loss_db_km_ = path_loss_db_km(settings_, air);
   for (int m = 0; m < plan.bins().n_range && normalises_samples(settings_); ++m) {
     const double range_m = plan.bins().r_min_m + (m + 0.5) * plan.bins().range_spacing_m;
@@ -68,17 +68,22 @@ void TargetEchoes::see(const Target& target) {
   const auto place = place_target(scene.world(), target, plan_.pose().settings.sim_time_ns);
   if (!place) return;
   const glm::dvec3 way_m = place->foot_m - antenna_m;
+  const double ground_m = std::hypot(way_m.x, way_m.z);
+  const double around_m = target.size.length_m + target.size.width_m;
   const double reach_m = response_.reach_bins(plan_.bins().range_spacing_m, settings_.pulse.extent_bins) *
                              plan_.bins().range_spacing_m +
-                         target.size.length_m + target.size.width_m;
+                         around_m;
   const double range_m = glm::length(way_m);
   if (range_m > settings_.r_max_m + reach_m || range_m < settings_.r_min_m - reach_m) return;
+  const double aside_bins = around_m < ground_m / 2
+                                ? std::asin(around_m / ground_m) / plan_.bins().azimuth_width_rad
+                                : circle_bins_;
+  if (!reaches(look_at(place->foot_m), azimuths_, aside_bins)) return;
   const double share = seen_share(scene, antenna_m, place->foot_m, target.size.top_m);
   if (!(share > 0)) return;
 
-  // How many half cells of range or azimuth it covers as the antenna looks at it: so many scatterers.
+  // One scatterer for each half of a range bin or of the beam that it covers as it is seen.
   const SinCos nose = sincos(place->heading_rad);
-  const double ground_m = std::hypot(way_m.x, way_m.z);
   const double along = ground_m > 0 ? std::abs(way_m.x * nose.sin + way_m.z * nose.cos) / ground_m : 1;
   const double aside = std::sqrt(std::max(0.0, 1 - along * along));
   const double deep_m = std::max(target.size.length_m * along, target.size.width_m * aside);
@@ -97,7 +102,7 @@ void TargetEchoes::see(const Target& target) {
   const auto n = static_cast<int>(std::min<double>(kMostScatterers, std::ceil(cells)));
   const std::uint64_t places = target_key(draw_.seed, target.id, 0);
   for (int k = 0; k < n; ++k) {
-    // Where it is stays; its draw is a target's of its own.
+    // Its place on the target is fixed, and it draws as a target with an id of its own.
     const std::uint64_t own = mix64(places + 16 + static_cast<std::uint64_t>(k));
     const double ahead_m = target.size.length_m * (uniform_of_hash(own) - 0.5);
     const double right_m = target.size.width_m * (turns_of_hash(own) - 0.5);
@@ -111,35 +116,42 @@ void TargetEchoes::see(const Target& target) {
   }
 }
 
-void TargetEchoes::add_scatterer(const Target& target, const glm::dvec3& at_m, double share,
-                                 std::complex<double> drawn) {
+TargetEcho TargetEchoes::look_at(const glm::dvec3& at_m) const {
   const Sector& sector = plan_.sector();
   const glm::dvec3 way_m = at_m - sector.antenna_m;
-  const double range_m = std::max(glm::length(way_m), kLeastRange_m);
-  const double sine = std::clamp(way_m.y / range_m, -1.0, 1.0);
-  // About the antenna's own vertical, as the ground's elevation is.
-  const AntennaGain& gain = plan_.looks_at().antenna_gain();
-  const ElevationTable& lean = gain.elevation();
-  const double own_sine =
-      std::clamp(gain.rise() * (sine + (lean.lean_x * way_m.x + lean.lean_z * way_m.z) / range_m), -1.0, 1.0);
   TargetEcho echo;
-  echo.id = target.id;
-  echo.range_m = range_m;
+  echo.range_m = std::max(glm::length(way_m), kLeastRange_m);
   const double ahead = sector.ahead_m(at_m.x, at_m.z), right = sector.right_m(at_m.x, at_m.z);
-  echo.azimuth_rad = bearing_of(right, ahead);
-  echo.cos_elevation = std::sqrt(std::max(0.0, 1 - sine * sine));
+  double azimuth_rad = bearing_of(right, ahead);
+  double sine = std::clamp(way_m.y / echo.range_m, -1.0, 1.0);
   if (const EchoPlan* sum = plan_.sum(); sum != nullptr && sum->ground) {
-    const glm::dvec3 own = sum->ground->axes.own(glm::dvec3(ahead, right, way_m.y) / range_m);
-    echo.azimuth_rad = bearing_of(own.y, own.x);
-    echo.cos_elevation = std::sqrt(std::max(0.0, 1 - own.z * own.z));
+    const glm::dvec3 own = sum->ground->axes.own(glm::dvec3(ahead, right, way_m.y) / echo.range_m);
+    azimuth_rad = bearing_of(own.y, own.x);
+    sine = own.z;
   }
+  echo.cos_elevation = std::sqrt(std::max(0.0, 1 - sine * sine));
   const BinGrid& bins = plan_.bins();
-  const double turns = (echo.azimuth_rad - bins.azimuth_start_rad) / kTurn_rad;
+  const double turns = (azimuth_rad - bins.azimuth_start_rad) / kTurn_rad;
   const double fraction = turns - std::floor(turns);  // may be rounded to 1, which is the seam
   echo.position = fraction < 1 ? fraction * circle_bins_ : 0;
   echo.extent_bins = settings_.beam.pattern == BeamPattern::off
                          ? 1
                          : beam_.extent_rad(echo.cos_elevation) / bins.azimuth_width_rad;
+  return echo;
+}
+
+void TargetEchoes::add_scatterer(const Target& target, const glm::dvec3& at_m, double share,
+                                 std::complex<double> drawn) {
+  TargetEcho echo = look_at(at_m);
+  echo.id = target.id;
+  const double range_m = echo.range_m;
+  // About the antenna's own vertical, as the ground's elevation is.
+  const glm::dvec3 way_m = at_m - plan_.sector().antenna_m;
+  const AntennaGain& table = plan_.looks_at().antenna_gain();
+  const ElevationTable& lean = table.elevation();
+  const double sine = std::clamp(way_m.y / range_m, -1.0, 1.0);
+  const double own_sine = std::clamp(
+      table.rise() * (sine + (lean.lean_x * way_m.x + lean.lean_z * way_m.z) / range_m), -1.0, 1.0);
   const double antenna = gain_ * elevation_.power_gain(std::asin(own_sine));
   const double r2 = range_m * range_m;
   double left = share * path_power_factor(loss_db_km_, range_m);
@@ -155,9 +167,14 @@ void TargetEchoes::add_scatterer(const Target& target, const glm::dvec3& at_m, d
   if (!echo.responses.empty()) echoes_.push_back(std::move(echo));
 }
 
-double TargetEchoes::bins_away(const TargetEcho& echo, double middle) const {
-  const double away = middle - echo.position;
+double TargetEchoes::bins_away(const TargetEcho& echo, double position) const {
+  const double away = position - echo.position;
   return away - circle_bins_ * std::nearbyint(away / circle_bins_);
+}
+
+bool TargetEchoes::reaches(const TargetEcho& echo, AzimuthRange azimuths, double aside_bins) const {
+  const double middle = azimuths.first + azimuths.count / 2.0;
+  return std::abs(bins_away(echo, middle)) <= echo.extent_bins + azimuths.count + aside_bins;
 }
 
 double TargetEchoes::azimuth_weight(const TargetEcho& echo, int azimuth) const {
@@ -185,8 +202,7 @@ void TargetEchoes::respond(TargetEcho& echo) const {
 void TargetEchoes::add(BinBlock& bins, bool iq) const {
   ask(kEchoWork * static_cast<std::int64_t>(echoes_.size()));
   for (const TargetEcho& echo : echoes_) {
-    const double middle = bins.first_azimuth + bins.n_azimuth / 2.0;
-    if (std::abs(bins_away(echo, middle)) > echo.extent_bins + bins.n_azimuth) continue;
+    if (!reaches(echo, {bins.first_azimuth, bins.n_azimuth})) continue;
     ask(kGainWork * bins.n_azimuth);
     for (int a = 0; a < bins.n_azimuth; ++a) {
       const double gain = azimuth_weight(echo, bins.first_azimuth + a);

@@ -1,11 +1,12 @@
 #pragma once
 // The echoes of targets. One of mean cross section s at range r, bearing th and elevation e, of which the
 // share f is seen, adds to bin (k, m)
-//   voltage  sqrt(K s chi f L(r)) / r^2 G_el(e) g((th - th_k) cos e) p(r_m - r) exp(-j 4 pi r / lambda + j
-//   phi) power    K s f L(r) G_el(e)^2 g^2 p^2 / r^4
-// with all that the ground's echoes have too: K of the radar equation (antenna_gain.h), the path's loss L,
-// the elevation pattern G_el, the beam's one-way power g and the point response p; chi and phi are the look's
-// (fluctuation.h). A radar without a beam or a pulse has all of it in the bin that holds the target.
+//   voltage  sqrt(K s chi f L) / r^2 G_el(e) g((th - th_k) cos e) p(r_m - r) exp(j (phi - 4 pi r / lambda))
+//   power    K s f L / r^4 G_el(e)^2 g^2 p^2
+// with all that the echoes of the ground have too: K of the radar equation (antenna_gain.h), the loss L of
+// the path, the elevation pattern G_el, the one-way power g of the beam and the point response p; chi and phi
+// are of the look (fluctuation.h). A radar without a beam or a pulse has all of it in the bin that holds the
+// target.
 #include <complex>
 #include <cstdint>
 #include <vector>
@@ -24,25 +25,25 @@ namespace obliq {
 /// Of one scatterer of a target that is seen, before beam and point response.
 struct TargetEcho {
   std::uint64_t id = 0;
-  double azimuth_rad = 0;  ///< from the sector's centre, about the axis that the antenna turns on
+  double range_m = 0;
+  double cos_elevation = 1;  ///< about the axis that the antenna turns on
   // In azimuth bins from the sector's left edge: where it is, and how far off it is still seen.
   double position = 0;
   double extent_bins = 0;
   std::vector<float> responses;  ///< in range bins from first_range on
   int first_range = 0;
-  double cos_elevation = 1;
-  double range_m = 0;
   double power_w = 0;                 ///< mean
   std::complex<double> voltage{0.0};  ///< sqrt(W), with the draw and the phase of the way
 };
 
 /// What the targets of a frame add to its bins. Each target in the order of the list, each wedge by itself,
-/// so that the bits do not depend on who renders which wedge. Immutable.
+/// so that the bits do not depend on threads. Immutable.
 class TargetEchoes {
  public:
-  /// At the time of the plan's pose. frame, dwell: name the draw (TargetDraw).
-  TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets, std::uint64_t frame,
-               std::uint64_t dwell);
+  /// At the time of the plan's pose; of targets that no bin of `azimuths` sees, nothing. frame, dwell: name
+  /// the draw (TargetDraw).
+  TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets, AzimuthRange azimuths,
+               std::uint64_t frame, std::uint64_t dwell);
 
   /// To the echoes of the ground, before the receiver: power, I&Q where they are wanted, and the look of
   /// video. Counts, states and labels are the ground's.
@@ -52,25 +53,30 @@ class TargetEchoes {
 
  private:
   void see(const Target& target);
+  /// Where a point is seen, without what it returns.
+  TargetEcho look_at(const glm::dvec3& at_m) const;
   void add_scatterer(const Target& target, const glm::dvec3& at_m, double share, std::complex<double> drawn);
   static void add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq);
-  /// How far an azimuth bin's middle is from the target, in bins, the short way round.
-  double bins_away(const TargetEcho& echo, double middle) const;
+  /// How far a place in azimuth is from the target, in bins, the short way round.
+  double bins_away(const TargetEcho& echo, double position) const;
+  /// Whether any of these azimuth bins may see it; aside_bins: of its parts from its middle.
+  bool reaches(const TargetEcho& echo, AzimuthRange azimuths, double aside_bins = 0) const;
   /// Two-way voltage pattern; without a beam 1 in the bin that holds the target.
   double azimuth_weight(const TargetEcho& echo, int azimuth) const;
   void respond(TargetEcho& echo) const;
 
   const FramePlan& plan_;
+  const AzimuthRange azimuths_;
   const TargetDraw draw_;
   const RadarSettings& settings_;
   const AzimuthPattern azimuth_;
   const ElevationGain elevation_;
   const PointResponse response_;
   const BeamOnGround beam_;
-  double constant_;
-  double wavelength_m_;
-  double gain_;
-  double circle_bins_;  ///< azimuth bins all the way round
+  const double wavelength_m_;
+  const double constant_;  ///< of the radar equation
+  const double gain_;
+  const double circle_bins_;  ///< azimuth bins all the way round
   double loss_db_km_ = 0;
   std::vector<double> range2_m2_;  ///< [n_range] of range normalisation; else empty
   std::vector<TargetEcho> echoes_;

@@ -6,6 +6,7 @@
 #include "server/radar/profile/plumb_line.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/units.h"
+#include "terrain/tangent_step.h"
 
 namespace obliq {
 namespace {
@@ -16,13 +17,6 @@ double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
   std::int64_t difference = 0;
   if (!__builtin_sub_overflow(to_ns, from_ns, &difference)) return static_cast<double>(difference) * 1e-9;
   return (static_cast<double>(to_ns) - static_cast<double>(from_ns)) * 1e-9;
-}
-
-/// By a step to the east, up and to the north, in the straight axes of the place that it is taken from.
-Geodetic moved(const Geodetic& from, const glm::dvec3& step_m) {
-  if (step_m == glm::dvec3(0.0)) return from;
-  const WorldFrame frame(from.latitude_rad, from.longitude_rad, 1);
-  return frame.geodetic_from_world({frame.world_from_geodetic(from).m + step_m});
 }
 
 }  // namespace
@@ -38,8 +32,8 @@ std::optional<TargetPlace> place_target(const World& world, const Target& target
           : target.height_m -
                 (target.height_reference == HeightReference::ellipsoid ? target.geoid_undulation_m : 0);
   const glm::dvec3 level_step_m(step_m.x, over_ground ? 0 : step_m.y, step_m.z);
-  const Geodetic at = moved(
-      {target.latitude_deg * kDegree_rad, target.longitude_deg * kDegree_rad, from_height_m}, level_step_m);
+  Geodetic at{target.latitude_deg * kDegree_rad, target.longitude_deg * kDegree_rad, from_height_m};
+  if (level_step_m != glm::dvec3(0.0)) at = moved(at, level_step_m);
 
   const PlumbLine line(world.frame, at.latitude_rad, at.longitude_rad);
   double height_m = at.height_m;
