@@ -8,6 +8,8 @@ const char* claim_name(Claim claim) {
       return "pose";
     case Claim::settings:
       return "settings";
+    case Claim::targets:
+      return "targets";
   }
   return "?";
 }

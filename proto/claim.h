@@ -1,5 +1,5 @@
 #pragma once
-// What of a radar one client at a time may hold. PROTOCOL.md, "Control".
+// What of a radar, or of the world, one client at a time may hold. PROTOCOL.md, "Control".
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,9 +9,10 @@ namespace obliq::wire {
 /// The numbers are those of the protobuf enumeration ClaimKind.
 enum class Claim : std::uint8_t {
   pose = 0,     ///< where the antenna's platform is and how it lies
-  settings = 1  ///< the operator's knobs, and where the antenna looks from its platform
+  settings = 1,  ///< the operator's knobs, and where the antenna looks from its platform
+  targets = 2    ///< of the world, not of a radar
 };
-constexpr int kClaims = 2;
+constexpr int kClaims = 3;
 
 /// A set of claims, bit n for claim n.
 using ClaimSet = std::uint8_t;
@@ -20,6 +21,7 @@ constexpr ClaimSet claim_bit(Claim claim) {
 }
 constexpr ClaimSet kPoseClaim = claim_bit(Claim::pose);
 constexpr ClaimSet kSettingsClaim = claim_bit(Claim::settings);
+constexpr ClaimSet kTargetsClaim = claim_bit(Claim::targets);
 constexpr ClaimSet kEveryClaim = (1u << kClaims) - 1;
 /// Of a client that names none: what version 1.1 knew.
 constexpr ClaimSet kUnnamedClaims = kPoseClaim | kSettingsClaim;

@@ -30,6 +30,9 @@ enum class MessageType : std::uint16_t {
   ground_answer = 31,
   set_replay = 32,
   replay_state = 33,
+  set_targets = 34,
+  get_targets = 35,
+  target_list = 36,
 
   reset_exercise = 37,
   get_exercise = 38,
@@ -44,6 +47,7 @@ enum class MessageType : std::uint16_t {
   wedge_block = 49,
   frame_end = 50,
   frame_abort = 51,
+  target_block = 52,
 };
 
 }  // namespace obliq::wire

@@ -29,6 +29,9 @@ enum class ScatteringModel;
 enum class RayMethod : std::uint8_t;
 enum class LogFormat;
 enum class LogLevel;
+namespace net {
+enum class Role : std::uint8_t;
+}
 
 /// A value between its source and its place. Enumerations go by name.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string, std::vector<double>>;
@@ -38,7 +41,7 @@ using Slot =
     std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*, std::string*,
                  std::vector<double>*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*,
                  BeamPattern*, ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*, SyntheticKind*,
-                 ScatteringModel*, RayMethod*, LogFormat*, LogLevel*>;
+                 ScatteringModel*, RayMethod*, LogFormat*, LogLevel*, net::Role*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

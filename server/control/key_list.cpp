@@ -52,6 +52,8 @@ std::vector<KeyText> all_keys() {
   }
   add<TargetType>(list, KeyGroup::list, "target_types.NAME.", {target_type_rows()});
   add<Target>(list, KeyGroup::list, "target.", {target_rows()});
+  add<TargetConfig>(list, KeyGroup::list, "target.", {target_config_rows()});
+  add<RoutePoint>(list, KeyGroup::list, "target.route.", {route_rows()});
   add<MaterialKeys>(list, KeyGroup::material, "materials.NAME.", {material_rows()});
   return list;
 }

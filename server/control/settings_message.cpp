@@ -2,13 +2,12 @@
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
-#include <google/protobuf/reflection.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <string>
 
 #include "proto/obliq.pb.h"
+#include "server/control/message_fields.h"
 #include "server/control/parameters.h"
 #include "server/control/planes_per_bin.h"
 
@@ -21,83 +20,7 @@ using google::protobuf::Message;
 
 /// The parameter's field. A table and a .proto that disagree are our mistake; a test compares them.
 const FieldDescriptor& field_of(const Parameter& parameter, const Message& message) {
-  const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(std::string(parameter.wire_field));
-  if (field == nullptr)
-    throw std::logic_error("no field " + std::string(parameter.wire_field) + " in the message");
-  return *field;
-}
-
-/// An enumerator by the name that the scene file uses; one that is unknown keeps its number, which fits
-/// nothing.
-Value choice_value(const Parameter& parameter, const FieldDescriptor& field, int number) {
-  const auto* enumerator = field.enum_type()->FindValueByNumber(number);
-  if (enumerator != nullptr)
-    for (const Choice& choice : parameter.key.choices)
-      if (choice.wire_name == enumerator->name()) return std::string(choice.name);
-  return std::int64_t{number};
-}
-
-Value read_field(const Parameter& parameter, const FieldDescriptor& field, const Message& message) {
-  const auto* reflection = message.GetReflection();
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-      return reflection->GetDouble(message, &field);
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return reflection->GetBool(message, &field);
-    case FieldDescriptor::CPPTYPE_INT32:
-      return std::int64_t{reflection->GetInt32(message, &field)};
-    case FieldDescriptor::CPPTYPE_INT64:
-      return reflection->GetInt64(message, &field);
-    case FieldDescriptor::CPPTYPE_UINT64:
-      return reflection->GetUInt64(message, &field);
-    case FieldDescriptor::CPPTYPE_ENUM:
-      return choice_value(parameter, field, reflection->GetEnumValue(message, &field));
-    case FieldDescriptor::CPPTYPE_MESSAGE: {
-      const Message& list = reflection->GetMessage(message, &field);
-      const auto numbers =
-          list.GetReflection()->GetRepeatedFieldRef<double>(list, list.GetDescriptor()->field(0));
-      return std::vector<double>(numbers.begin(), numbers.end());
-    }
-    default:
-      throw std::logic_error("no parameter has the type of field " + field.full_name());
-  }
-}
-
-void write_choice(const Parameter& parameter, const FieldDescriptor& field, const std::string& name,
-                  Message& message) {
-  for (const Choice& choice : parameter.key.choices)
-    if (choice.name == name)
-      message.GetReflection()->SetEnum(&message, &field,
-                                       field.enum_type()->FindValueByName(std::string(choice.wire_name)));
-}
-
-void write_field(const Parameter& parameter, const FieldDescriptor& field, const Value& value,
-                 Message& message) {
-  const auto* reflection = message.GetReflection();
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-      return reflection->SetDouble(&message, &field, std::get<double>(value));
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return reflection->SetBool(&message, &field, std::get<bool>(value));
-    case FieldDescriptor::CPPTYPE_INT32:
-      return reflection->SetInt32(&message, &field, static_cast<std::int32_t>(std::get<std::int64_t>(value)));
-    case FieldDescriptor::CPPTYPE_INT64:
-      return reflection->SetInt64(&message, &field, std::get<std::int64_t>(value));
-    case FieldDescriptor::CPPTYPE_UINT64:
-      return reflection->SetUInt64(&message, &field, std::get<std::uint64_t>(value));
-    case FieldDescriptor::CPPTYPE_ENUM:
-      return write_choice(parameter, field, std::get<std::string>(value), message);
-    case FieldDescriptor::CPPTYPE_MESSAGE: {
-      Message& list = *reflection->MutableMessage(&message, &field);
-      const auto numbers =
-          list.GetReflection()->GetMutableRepeatedFieldRef<double>(&list, list.GetDescriptor()->field(0));
-      numbers.Clear();
-      for (const double number : std::get<std::vector<double>>(value)) numbers.Add(number);
-      return;
-    }
-    default:
-      throw std::logic_error("no parameter has the type of field " + field.full_name());
-  }
+  return message_field(parameter.wire_field, message);
 }
 
 std::vector<FieldError> merge_fields(WireMessage which, const Message& message, RadarConfig& config) {
@@ -106,7 +29,7 @@ std::vector<FieldError> merge_fields(WireMessage which, const Message& message, 
     if (parameter.message != which) continue;
     const FieldDescriptor& field = field_of(parameter, message);
     if (!message.GetReflection()->HasField(message, &field)) continue;
-    const Value value = read_field(parameter, field, message);
+    const Value value = read_field(parameter.key, field, message);
     if (auto error = store(parameter.key, parameter.slot(config), value)) errors.push_back(std::move(*error));
   }
   return errors;
@@ -116,7 +39,7 @@ void write_fields(WireMessage which, RadarConfig config, Message& message) {
   for (const Parameter& parameter : parameters()) {
     const Slot slot = parameter.slot(config);
     if (parameter.message == which && !is_left_open(slot))
-      write_field(parameter, field_of(parameter, message), load(parameter.key, slot), message);
+      write_field(parameter.key, field_of(parameter, message), load(parameter.key, slot), message);
   }
 }
 
@@ -179,7 +102,7 @@ bool is_ideal(const wire::RadarSettings& message) {
     if (!p.meaning.not_ideal) return false;
     const FieldDescriptor& field = field_of(p, message);
     return message.GetReflection()->HasField(message, &field) &&
-           read_field(p, field, message) != value_of(p, {});
+           read_field(p.key, field, message) != value_of(p, {});
   });
 }
 

@@ -194,11 +194,15 @@ void PoseTimeLine::set_validity(double valid_s) {
 PoseAt PoseTimeLine::at(std::int64_t now_ns) const {
   const std::lock_guard lock(mutex_);
   const Sent& newest = poses_.back();
-  PoseAt result{newest.pose, newest.received_ns, false};
+  PoseAt result{newest.pose, newest.received_ns, false, timed_, now_ns};
   const double age_s = static_cast<double>(now_ns - newest.received_ns) * 1e-9;
   result.stale = newest.received_ns != 0 && newest.pose.valid_s > 0 && age_s > newest.pose.valid_s;
   if (poses_.size() < 2) return result;
   const std::int64_t shown_ns = ticks(now_ns) + shift_ns_;
+  if (timed_) {
+    const std::int64_t behind_ns = std::ranges::max(arrivals_, {}, &Arrival::offset_ns).offset_ns - shift_ns_;
+    result.shown_ns -= std::llround(static_cast<double>(behind_ns) / rate_);
+  }
   const auto after =
       std::ranges::upper_bound(poses_, shown_ns, {}, [](const Sent& sent) { return sent.pose.sim_time_ns; });
   // The two poses that tell the velocity; before the first and past the newest the antenna waits.
@@ -206,11 +210,13 @@ PoseAt PoseTimeLine::at(std::int64_t now_ns) const {
   const PoseSettings& a = std::prev(to)->pose;
   const PoseSettings& b = to->pose;
   if (after == poses_.begin()) {
-    result = {a, std::prev(to)->received_ns, result.stale};
+    result.pose = a;
+    result.received_ns = std::prev(to)->received_ns;
   } else if (after != poses_.end()) {
     const double u =
         static_cast<double>(shown_ns - a.sim_time_ns) / static_cast<double>(b.sim_time_ns - a.sim_time_ns);
-    result = {between(a, b, u), to->received_ns, result.stale};
+    result.pose = between(a, b, u);
+    result.received_ns = to->received_ns;
     result.pose.sim_time_ns = shown_ns;
   }
   if (!result.pose.has_velocity()) take_slope(a, b, result.pose);

@@ -13,6 +13,8 @@ struct PoseAt {
   PoseSettings pose;  ///< interpolated; sim_time_ns is the moment's, pose_id the newest's at or before it
   std::int64_t received_ns = 0;  ///< arrival of the newest pose that went into it; 0: the scene file's
   bool stale = false;            ///< the newest pose's valid_s have passed since its arrival
+  bool timed = false;            ///< its sim time is of the controller's clock
+  std::int64_t shown_ns = 0;     ///< when by the server's clock it was so: as late as the poses are shown
 };
 
 /// The poses of one radar. A pose without a sim time applies at once, until the next. Poses with one are

@@ -7,6 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "server/net/exercise_platforms.h"
 #include "server/net/exercise_radars.h"
+#include "server/net/exercise_targets.h"
 #include "server/net/requests.h"
 #include "server/net/room.h"
 
@@ -15,6 +16,19 @@ namespace obliq::net {
 Exercise::Exercise(Room& room) : room_(room) {
   join(std::make_unique<ExercisePlatforms>(room));  // before what rides on them
   join(std::make_unique<ExerciseRadars>(room));
+  join(std::make_unique<ExerciseTargets>(room));
+}
+
+wire::ExerciseState Exercise::for_all() const {
+  wire::ExerciseState state;
+  write(state);
+  hide_targets(state);
+  return state;
+}
+
+void Exercise::hide_targets(wire::ExerciseState& state) {
+  state.clear_targets();
+  state.set_with_targets(false);
 }
 
 void Exercise::write(wire::ExerciseState& state) const {
@@ -38,15 +52,16 @@ std::vector<FieldError> Exercise::load(const wire::ExerciseState& state, const s
   for (const auto& part : parts_) append(errors, part->faults(state));
   if (!errors.empty()) return errors;
   for (const auto& part : parts_) part->take(state, by);
-  room_.log().loaded(state, by);
+  wire::ExerciseState told = state;
+  hide_targets(told);
+  room_.log().loaded(told, by);
   spdlog::info("exercise: a state of {} radars loaded by {}", state.radars_size(), by);
   return {};
 }
 
 void Exercise::reset(const std::string& name, const std::string& by) {
   for (const auto& part : parts_) part->reset(name, by);
-  wire::ExerciseState all;
-  write(all);
+  wire::ExerciseState all = for_all();
   if (!name.empty())
     all.mutable_radars()->erase(
         std::remove_if(all.mutable_radars()->begin(), all.mutable_radars()->end(),

@@ -71,7 +71,10 @@ class Exercise {
   /// What joins is saved, loaded, reset and stopped with the rest, in this order.
   void join(std::unique_ptr<ExercisePart> part) { parts_.push_back(std::move(part)); }
 
+  /// With the targets: for those alone who may be told where they are.
   void write(wire::ExerciseState& state) const;
+  /// Without them.
+  wire::ExerciseState for_all() const;
   /// All of it or nothing. Returns why nothing.
   std::vector<FieldError> load(const wire::ExerciseState& state, const std::string& by);
   void reset(const std::string& name, const std::string& by);
@@ -79,6 +82,8 @@ class Exercise {
   bool is_frozen() const { return frozen_; }
 
  private:
+  static void hide_targets(wire::ExerciseState& state);
+
   Room& room_;
   std::vector<std::unique_ptr<ExercisePart>> parts_;
   bool frozen_ = false;

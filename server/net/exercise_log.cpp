@@ -55,9 +55,13 @@ wire::ExerciseEvent event_of(wire::EventKind kind, const LiveRadar& radar, const
   return event;
 }
 
-void write_claims(wire::ClaimSet claims, wire::ExerciseEvent& event) {
+wire::ExerciseEvent event_of_claim(wire::EventKind kind, const LiveRadar* radar, wire::ClaimSet claims,
+                                   const std::string& by) {
+  wire::ExerciseEvent event =
+      radar == nullptr ? event_of(kind, std::string(), by) : event_of(kind, *radar, by);
   wire::for_each_claim(claims,
                        [&](wire::Claim claim) { event.add_claims(static_cast<wire::ClaimKind>(claim)); });
+  return event;
 }
 
 }  // namespace
@@ -92,22 +96,19 @@ void ExerciseLog::drop_oldest() {
   ++lost_;
 }
 
-void ExerciseLog::claimed(const LiveRadar& radar, wire::ClaimSet claims, const std::string& by) {
-  wire::ExerciseEvent event = event_of(wire::CLAIM_EVENT, radar, by);
-  write_claims(claims, event);
+void ExerciseLog::claimed(const LiveRadar* radar, wire::ClaimSet claims, const std::string& by) {
+  wire::ExerciseEvent event = event_of_claim(wire::CLAIM_EVENT, radar, claims, by);
   note(std::move(event));
 }
 
-void ExerciseLog::released(const LiveRadar& radar, wire::ClaimSet claims, const std::string& by) {
-  wire::ExerciseEvent event = event_of(wire::RELEASE_EVENT, radar, by);
-  write_claims(claims, event);
+void ExerciseLog::released(const LiveRadar* radar, wire::ClaimSet claims, const std::string& by) {
+  wire::ExerciseEvent event = event_of_claim(wire::RELEASE_EVENT, radar, claims, by);
   note(std::move(event));
 }
 
-void ExerciseLog::taken_over(const LiveRadar& radar, wire::ClaimSet claims, const std::string& from,
+void ExerciseLog::taken_over(const LiveRadar* radar, wire::ClaimSet claims, const std::string& from,
                              const std::string& by) {
-  wire::ExerciseEvent event = event_of(wire::TAKE_OVER_EVENT, radar, by);
-  write_claims(claims, event);
+  wire::ExerciseEvent event = event_of_claim(wire::TAKE_OVER_EVENT, radar, claims, by);
   event.set_taken_from(from);
   note(std::move(event));
 }
@@ -158,6 +159,13 @@ void ExerciseLog::loaded(const wire::ExerciseState& state, const std::string& by
 void ExerciseLog::froze(bool on, const std::string& by) {
   wire::ExerciseEvent event = event_of(wire::FREEZE_EVENT, "", by);
   event.set_freeze(on);
+  note(std::move(event));
+}
+
+void ExerciseLog::targets(std::uint32_t come, std::uint32_t gone, const std::string& by) {
+  wire::ExerciseEvent event = event_of(wire::TARGETS_EVENT, "", by);
+  event.set_targets_come(come);
+  event.set_targets_gone(gone);
   note(std::move(event));
 }
 

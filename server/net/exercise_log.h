@@ -48,9 +48,10 @@ class ExerciseLog {
   void note(wire::ExerciseEvent event);
 
   // The kinds that there are, with who did it:
-  void claimed(const LiveRadar& radar, wire::ClaimSet claims, const std::string& by);
-  void released(const LiveRadar& radar, wire::ClaimSet claims, const std::string& by);
-  void taken_over(const LiveRadar& radar, wire::ClaimSet claims, const std::string& from,
+  // Claims of a radar, or of the world (null):
+  void claimed(const LiveRadar* radar, wire::ClaimSet claims, const std::string& by);
+  void released(const LiveRadar* radar, wire::ClaimSet claims, const std::string& by);
+  void taken_over(const LiveRadar* radar, wire::ClaimSet claims, const std::string& from,
                   const std::string& by);
   /// Nothing is noted where nothing has changed.
   void set(const LiveRadar& radar, const RadarSettings& before, const std::string& by);
@@ -67,6 +68,7 @@ class ExerciseLog {
   void reset(const std::string& radar, const wire::ExerciseState& state, const std::string& by);
   void loaded(const wire::ExerciseState& state, const std::string& by);
   void froze(bool on, const std::string& by);
+  void targets(std::uint32_t come, std::uint32_t gone, const std::string& by);
 
   /// Writes those behind number `after`, as many as one message takes. False: more follow.
   bool write(std::uint64_t after, wire::ExerciseEvents& events) const;

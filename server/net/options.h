@@ -8,9 +8,9 @@
 
 #include "proto/limits.h"
 #include "server/control/sections/server.h"
+#include "server/control/sections/target_config.h"
 #include "server/flight/window.h"
 #include "server/ground_query/ground_query.h"
-#include "server/radar/targets/target.h"
 #include "server/rendering/rendered.h"
 
 namespace obliq::net {
@@ -29,6 +29,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::string scene_name;
 
   std::shared_ptr<Security> security;  ///< null: no TLS, no tokens, every client is admin
+  Role truth_role = ServerConfig{}.truth_role;  ///< of those who may have targets' places
 
   std::uint32_t max_hello_bytes = wire::kMaxHelloBytes;  ///< of any message before Hello is answered
   std::uint32_t max_descriptor_bytes = wire::kMaxDescriptorBytes;  ///< of a request's protobuf part
@@ -44,7 +45,9 @@ struct ServerOptions : ServerLimits, StreamConfig {
   double stop_grace_s = 0.5;                          ///< for the last message to each client when stopping
 
   int render_threads = 0;  ///< 0: all cores
-  TargetsPtr targets;      ///< in the world; null: none
+  std::vector<TargetType> target_types;  ///< of the scene
+  std::vector<TargetConfig> targets;     ///< of the world, at first
+  std::int64_t target_seed = 1;          ///< of their fluctuation
   int materials = 255;     ///< of the scene, at most
   /// Told where all radars are, in their order, whenever one has moved or looks further. On the io thread;
   /// must be quick.

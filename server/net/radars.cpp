@@ -125,12 +125,12 @@ void Radars::claim(LiveRadar& radar, wire::ClaimSet claims, Peer& by) {
   const auto fresh = static_cast<wire::ClaimSet>(claims & ~radar.claims.of(by));
   if (fresh != 0) log_doing(by, radar.name, wire::claim_names(fresh) + " claimed by " + by.name);
   radar.claims.give(fresh, by);
-  if (fresh != taken) log_.claimed(radar, static_cast<wire::ClaimSet>(fresh & ~taken), by.name);
+  if (fresh != taken) log_.claimed(&radar, static_cast<wire::ClaimSet>(fresh & ~taken), by.name);
 }
 
 wire::ClaimSet Radars::release(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer) {
   const wire::ClaimSet released = end_claims(radar, claims, peer);
-  if (released != 0) log_.released(radar, released, peer.name);
+  if (released != 0) log_.released(&radar, released, peer.name);
   return released;
 }
 
@@ -156,7 +156,7 @@ wire::ClaimSet Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& 
     if (holder == nullptr || holder == &by) return;
     const wire::ClaimSet taken = end_claims(radar, claims, *holder);
     all |= taken;
-    log_.taken_over(radar, taken, holder->name, by.name);
+    log_.taken_over(&radar, taken, holder->name, by.name);
     log_as_guest(*holder);
     log_as_guest(by);
     const std::string told =

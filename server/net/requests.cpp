@@ -31,7 +31,8 @@ constexpr bool changes_something =
     std::is_same_v<Request, wire::SetPose> || std::is_same_v<Request, wire::SetState> ||
     std::is_same_v<Request, wire::RenderOnce> || std::is_same_v<Request, wire::QueryGround> ||
     std::is_same_v<Request, wire::ResetExercise> || std::is_same_v<Request, wire::GetExercise> ||
-    std::is_same_v<Request, wire::LoadExercise> || std::is_same_v<Request, wire::SetExercise>;
+    std::is_same_v<Request, wire::LoadExercise> || std::is_same_v<Request, wire::SetExercise> ||
+    std::is_same_v<Request, wire::SetTargets> || std::is_same_v<Request, wire::GetTargets>;
 
 /// Requests that are answered in their order also where the render thread has to be asked.
 template <typename Request>
@@ -105,6 +106,7 @@ void Requests::answer(std::span<const std::byte> descriptor, void (Requests::*fu
     return peer_.fail(ErrorNumber::bad_message, "the protobuf part of a request does not parse");
   id_ = request.request_id();
   if (right_ != nullptr && !demand(right_->role, "this request")) return;
+  if (right_ != nullptr && right_->truth && !demand_truth()) return;
   if (changes_something<Request>) {
     if (const std::string why = room_.renderer().fixed(); !why.empty())
       return refuse(ErrorNumber::replay_only, why);
@@ -182,6 +184,10 @@ void Requests::handle_greeted(MessageType type, std::span<const std::byte> descr
       return answer(descriptor, &Requests::load_exercise);
     case MessageType::set_exercise:
       return answer(descriptor, &Requests::set_exercise);
+    case MessageType::set_targets:
+      return answer(descriptor, &Requests::set_targets);
+    case MessageType::get_targets:
+      return answer(descriptor, &Requests::get_targets);
     case MessageType::get_events:
       return answer(descriptor, &Requests::get_events);
     case MessageType::add_bookmark:
@@ -306,6 +312,14 @@ void Requests::get_status(const wire::GetStatus& /*request*/) {
     write_coverage(radar, keeper, entry);
   }
   status.set_exercise_frozen(room_.exercise().is_frozen());
+  TargetWorld& targets = room_.targets();
+  targets.expire();
+  status.set_targets(static_cast<std::uint32_t>(targets.n()));
+  status.set_max_targets(static_cast<std::uint32_t>(room_.options().max_targets));
+  if (const Peer* holder = targets.claims().holder(wire::Claim::targets))
+    status.set_targets_controller(holder->name);
+  status.set_targets_expired(targets.expired());
+  status.set_targets_late(targets.late());
   status.set_windows_loaded(keeper.swaps);
   status.set_window_loading(keeper.building);
   status.set_window_failures(keeper.failures);

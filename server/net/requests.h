@@ -35,6 +35,8 @@ class LoadExercise;
 class SetExercise;
 class GetEvents;
 class AddBookmark;
+class SetTargets;
+class GetTargets;
 class RadarStatus;
 class Pose;
 }  // namespace obliq::wire
@@ -116,6 +118,8 @@ class Requests {
   void set_exercise(const wire::SetExercise& request);
   void get_events(const wire::GetEvents& request);
   void add_bookmark(const wire::AddBookmark& request);
+  void set_targets(const wire::SetTargets& request);
+  void get_targets(const wire::GetTargets& request);
 
   /// Whether it has to come after requests that are kept; or it is refused, because they are too many.
   bool comes_later();
@@ -125,6 +129,8 @@ class Requests {
                                                         const PoseSettings& pose);
   /// False after a refusal that says what `action` needs.
   bool demand(Role needed, const std::string& action);
+  bool may_have_truth() const;
+  bool demand_truth();
   void acknowledge(std::uint64_t settings_version = 0);
   /// Of a radar, in Status: how much of its ground is known, and why not more.
   void write_coverage(const LiveRadar& radar, const KeeperState& keeper, wire::RadarStatus& entry) const;
@@ -148,6 +154,10 @@ class Requests {
   void claim(Platform& platform, const wire::ClaimControl& request);
   void release(Platform& platform, const wire::ReleaseControl& request);
   void fly(Platform& platform, const wire::Pose& message);
+  /// Of the world's targets.
+  void claim_targets(const wire::ClaimControl& request);
+  void release_targets();
+  bool demand_targets();
   void describe(const Platform& platform);
   void log_flight(const std::string& what);
 

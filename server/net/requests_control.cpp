@@ -74,9 +74,11 @@ void Requests::hello(const wire::Hello& request) {
     limits.set_max_memory_mb(static_cast<std::uint64_t>(options.max_memory_mb));
   limits.set_heartbeat_s(options.heartbeat_s);
   limits.set_idle_timeout_s(options.idle_timeout_s);
+  limits.set_max_targets(static_cast<std::uint32_t>(options.max_targets));
   limits.set_max_query_points(options.query_ground ? wire::kMaxQueryPoints : 0);
   welcome.set_client_name(peer_.name);
   welcome.set_role(std::string(role_name(peer_.role)));
+  welcome.set_truth(may_have_truth());
   peer_.send(MessageType::welcome, welcome);
   if (room_.replay() == nullptr) return;
   wire::ReplayState state;
@@ -96,6 +98,12 @@ bool Requests::demand(Role needed, const std::string& action) {
   refuse(ErrorNumber::role_too_low, action + " needs the role " + std::string(role_name(needed)) +
                                         "; this client's token gives " + std::string(role_name(peer_.role)));
   return false;
+}
+
+bool Requests::may_have_truth() const { return peer_.role >= room_.options().truth_role; }
+
+bool Requests::demand_truth() {
+  return demand(room_.options().truth_role, "being told where targets are (server.truth_role)");
 }
 
 LiveRadar* Requests::claimed_radar(const std::string& name) {
@@ -132,14 +140,24 @@ std::variant<wire::ClaimSet, FieldError> read_kinds(const LiveRadar& radar,
     if (!claim) return FieldError{"kinds", std::to_string(kind), "0 to " + std::to_string(wire::kClaims - 1)};
     claims |= claim_bit(*claim);
   }
+  if ((claims & wire::kTargetsClaim) != 0)
+    return FieldError{"kinds", "targets of radar " + radar.name,
+                      "targets alone, with an empty radar: they are of the world"};
   if ((claims & others) != 0) return no_pose_of_its_own(radar, "radar");
   return claims;
+}
+
+/// The targets of the world, alone and without a radar.
+template <typename Request>
+bool names_targets(const Request& request) {
+  return request.radar().empty() && request.kinds_size() == 1 && request.kinds(0) == wire::TARGETS_CLAIM;
 }
 
 }  // namespace
 
 void Requests::claim_control(const wire::ClaimControl& request) {
   if (Platform* platform = room_.radars().find_platform(request.radar())) return claim(*platform, request);
+  if (names_targets(request)) return claim_targets(request);
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
   const auto kinds = read_kinds(*radar, request.kinds(), wire::kUnnamedClaims);
@@ -158,6 +176,7 @@ void Requests::claim_control(const wire::ClaimControl& request) {
 
 void Requests::release_control(const wire::ReleaseControl& request) {
   if (Platform* platform = room_.radars().find_platform(request.radar())) return release(*platform, request);
+  if (names_targets(request)) return release_targets();
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
   const auto kinds = read_kinds(*radar, request.kinds(), wire::kEveryClaim);

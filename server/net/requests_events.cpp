@@ -29,7 +29,7 @@ void Requests::get_events(const wire::GetEvents& request) {
   const bool all = room_.log().write(request.after(), answer);
   wire::ExerciseState state;
   const bool with_state = all && request.with_state() && room_.replay() == nullptr;
-  if (with_state) room_.exercise().write(state);
+  if (with_state) state = room_.exercise().for_all();
   // Both are large where many radars were loaded or reset: then the state has a message of its own.
   const bool too_much =
       answer.ByteSizeLong() + state.ByteSizeLong() + kSlack_bytes > wire::kMaxDescriptorBytes;

@@ -1,9 +1,11 @@
 // Requests about the whole exercise.
 #include <algorithm>
 
+#include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/net/exercise.h"
 #include "server/net/peer.h"
+#include "server/net/request_limits.h"
 #include "server/net/requests.h"
 #include "server/net/rights.h"
 #include "server/net/room.h"
@@ -29,13 +31,25 @@ void Requests::reset_exercise(const wire::ResetExercise& request) {
 
 void Requests::get_exercise(const wire::GetExercise& /*request*/) {
   wire::ExerciseState state;
+  room_.targets().expire();
+  if (may_have_truth()) {
+    room_.exercise().write(state);
+  } else {
+    state = room_.exercise().for_all();
+  }
   state.set_request_id(id_);
-  room_.exercise().write(state);
+  if (const std::size_t bytes = state.ByteSizeLong(); bytes > wire::kMaxDescriptorBytes)
+    return refuse({"max_descriptor_bytes",
+                   "the exercise is too large for one message: " + std::to_string(room_.targets().n()) +
+                       " targets; a state holds some 1,500",
+                   {"targets", std::to_string(bytes) + " bytes",
+                    "at most " + std::to_string(wire::kMaxDescriptorBytes)}});
   peer_.send(wire::MessageType::exercise_state, state);
 }
 
 void Requests::load_exercise(const wire::LoadExercise& request) {
   if (!demand_exercise(nullptr)) return;
+  if (request.state().with_targets() && peer_.role != Role::admin && !demand_targets()) return;
   const std::vector<FieldError> errors = room_.exercise().load(request.state(), peer_.name);
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "state refused", errors);
   acknowledge();

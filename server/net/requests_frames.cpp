@@ -58,6 +58,7 @@ void Requests::subscribe(const wire::Subscribe& request) {
     errors.push_back(
         {"planes", wire::plane_names(demanded.choice.planes), wire::plane_names(room_.renderer().planes())});
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "subscription refused", errors);
+  if (demanded.choice.truth && !demand_truth()) return;
   if (demanded.lossless && !demand(Role::controller, "watching without losses")) return;
   if (const auto over = room_.over_live_limit(settings, demanded.choice.planes)) return refuse(*over);
   const bool renewed = peer_.outbox.has_queue(radar->stream_id);
@@ -100,6 +101,10 @@ void Requests::render_once(const wire::RenderOnce& request) {
     // Tables come from the scene file: those of the radar that the frame is to be like.
     if (like != nullptr) settings.beam.file = like->settings.current()->settings.beam.file;
   }
+  // Truth of the request's own targets tells nothing that the client does not know.
+  if (request.truth() && request.live_targets() && !demand_truth()) return;
+  std::vector<Target> targets;
+  append(errors, room_.targets().read(request.targets(), targets));
   append(errors, merge_request(request.settings(), settings));
   append(errors, merge_message(request.pose(), pose));
   append(errors, validate(settings));
@@ -128,6 +133,9 @@ void Requests::render_once(const wire::RenderOnce& request) {
   render->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});
   render->view.pose = pose;
   render->view.pose_received_ns = monotonic_ns();
+  render->targets = room_.targets().of_one_frame(targets, request.live_targets());
+  render->view.targets_at = {room_.targets().now_ns(), request.pose().has_sim_time_ns()};
+  if (request.as_live() && !request.pose().has_sim_time_ns()) render->view.targets_at = like->shown().targets_at;
   render->choice = choice;
   render->cost = cost;
   room_.render_once(peer_, render);

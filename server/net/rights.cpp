@@ -26,6 +26,8 @@ constexpr std::array kRights{
     Right{MessageType::render_once, "RenderOnce"},
     Right{MessageType::query_ground, "QueryGround"},
     Right{MessageType::set_replay, "SetReplay", Role::controller},
+    Right{MessageType::set_targets, "SetTargets", Role::controller, wire::kTargetsClaim},
+    Right{MessageType::get_targets, "GetTargets", Role::viewer, 0, false, true},
     Right{MessageType::get_exercise, "GetExercise"},
     Right{MessageType::reset_exercise, "ResetExercise", Role::controller, kBoth, true},
     Right{MessageType::load_exercise, "LoadExercise", Role::controller, kBoth, true},

@@ -30,9 +30,9 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
       render_(renderer, *this,
               {.threads = options_.render_threads,
                .slice_bytes = options_.slice_bytes,
-               .targets = options_.targets,
                .live_frames = options_.live_frames}),
-      radars_(options_, radars, render_, log_) {
+      radars_(options_, radars, render_, log_),
+      targets_(options_, render_, log_, post_) {
   set_limits(options_);
   if (!options_.security) options_.security = std::make_shared<Security>();
   log_.on_event([this](const wire::ExerciseEvent& event) { tell_event(event); });
@@ -127,6 +127,7 @@ void Room::check_credentials() {
     if (const auto grant = options_.security->grant(*peer->credential)) {
       peer->role = grant->role;
       radars_.check_role(*peer);
+      targets_.check_role(*peer);
     } else {
       peer->fail(ErrorNumber::token_refused, "the token was withdrawn");
     }
@@ -142,6 +143,7 @@ void Room::leave(const std::shared_ptr<Peer>& peer) {
 
 void Room::forget(Peer& peer) {
   radars_.forget(peer);
+  targets_.forget(peer);
   watchers_changed(false);
   for (const OnceRequestPtr& request : peer.renders) request->stop.request_stop();
   peer.renders.clear();

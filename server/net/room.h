@@ -17,6 +17,7 @@
 #include "server/net/options.h"
 #include "server/net/radars.h"
 #include "server/net/request_limits.h"
+#include "server/net/target_world.h"
 #include "server/rendering/render_thread.h"
 
 namespace obliq::net {
@@ -35,6 +36,7 @@ class Room : private RenderEvents {
   const FrameRenderer& renderer() const { return renderer_; }
   Radars& radars() { return radars_; }
   Exercise& exercise() { return exercise_; }
+  TargetWorld& targets() { return targets_; }
   /// Who changed what, when.
   ExerciseLog& log() { return log_; }
   Clock::duration uptime() const { return Clock::now() - started_; }
@@ -140,6 +142,7 @@ class Room : private RenderEvents {
   ExerciseLog log_;
   RenderThread render_;  ///< ended before the radars go, to which it reports
   Radars radars_;
+  TargetWorld targets_;
   QueryThread queries_;
   Exercise exercise_{*this};
 };

@@ -11,6 +11,7 @@
 #include "server/radar/geometry/pose.h"
 #include "server/radar/samples.h"
 #include "server/radar/settings.h"
+#include "server/radar/targets/target.h"
 #include "server/scene/scene.h"
 
 namespace obliq {
@@ -20,7 +21,6 @@ class SharpStore;   // server/radar/beam/echo_rows.h
 class Receiver;     // server/radar/receiver/receiver.h
 class StageTimes;   // terrain/base/stage_clock.h
 struct AirView;     // server/radar/receiver/weather.h
-struct TargetSet;   // server/radar/targets/target.h
 
 struct Wedge {
   int index = 0;  ///< wedge number within the frame, 0 at the sector's left edge
@@ -46,6 +46,7 @@ struct RenderOptions {
   const Receiver* receiver = nullptr;
   /// Vehicles, ships and aircraft among the ground's echoes; null: none.
   const TargetSet* targets = nullptr;
+  TargetMoment targets_at{};
   std::uint64_t dwell = 0;      ///< of a scan: names the dwell within its pass, for targets that fluctuate
   bool video8 = false;          ///< wanted of the receiver, in 256 levels;
   bool video16 = false;         ///< in 65,536
@@ -62,6 +63,11 @@ int thread_count(int threads);
 
 /// Of a radar's frame, by the radar's name and the frame's number.
 std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter);
+
+/// What is looked at of its targets.
+inline TargetLook target_look(const RenderOptions& options, bool truth = false) {
+  return {options.targets_at, options.draw, options.dwell, truth};
+}
 
 /// Where the antenna is in the air.
 AirView air_view(const ScenePlan& plan);

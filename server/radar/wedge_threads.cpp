@@ -55,7 +55,7 @@ class WedgeThreads {
       targets_.emplace(
           plan, air_view(plan.looks_at()), *options.targets,
           AzimuthRange{first_wedge * kWedgeAzimuthBins, (end_wedge - first_wedge) * kWedgeAzimuthBins},
-          options.draw, options.dwell);
+          target_look(options));
   }
 
   /// False when stopped.

@@ -48,6 +48,7 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
     choices.insert(demand.choice);
     const ReceivedPlanes needed = needed_planes(demand.choice, settings);
     order.iq |= needed.iq;
+    order.truth |= demand.choice.truth;
     order.video8 |= needed.video8;
     order.video16 |= needed.video16;
     if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;

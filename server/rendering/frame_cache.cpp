@@ -112,6 +112,10 @@ class FrameCache::Frame : public PlannedFrame {
   }
 
   AirView air() const override { return frame_->air(); }
+  std::vector<wire::TargetRecord> truth(AzimuthRange azimuths, const RenderOptions& options,
+                                        double noise_power_w) const override {
+    return frame_->truth(azimuths, options, noise_power_w);
+  }
 
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     const SharpPlanes planes{options.iq, wants_look(options, settings_->settings), options.states,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "proto/plane.h"
+#include "proto/target_record.h"
 #include "server/radar/receiver/weather.h"
 #include "server/radar/render.h"
 #include "server/radar/targets/target_echoes.h"
@@ -31,6 +32,12 @@ class PlannedFrame {
   /// What targets render() adds to the echoes of the ground; null: none.
   virtual std::unique_ptr<const TargetEchoes> targets(AzimuthRange, const RenderOptions&) const {
     return nullptr;
+  }
+  /// Where they are: of all azimuths, or of a dwell's, at most wire::kMaxTargetRecords. noise_power_w: what
+  /// they are held against; 0: nothing.
+  virtual std::vector<wire::TargetRecord> truth(AzimuthRange, const RenderOptions&,
+                                                double /*noise_power_w*/) const {
+    return {};
   }
   virtual void summarise(const FrameStats& stats, wire::FrameSummary& summary) const = 0;
   /// Where the antenna is in the air.

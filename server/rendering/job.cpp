@@ -25,7 +25,6 @@ RenderOptions RenderContext::render_options(bool iq, bool states, std::stop_toke
   render.threads = options.threads;
   render.iq = iq;
   render.states = states;
-  render.targets = options.targets.get();
   render.stop = std::move(stop);
   return render;
 }

@@ -7,6 +7,7 @@
 #include <exception>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <stop_token>
 #include <vector>
 
@@ -38,7 +39,6 @@ struct RenderThreadOptions {
   /// about a second of a core; a few milliseconds where an antenna scans.
   std::int64_t once_work = 200'000'000;
   std::int64_t once_work_while_scanning = 2'000'000;
-  TargetsPtr targets;   ///< in the world; null: none
   int live_frames = 3;  ///< of one radar: rendered or not, as long as some of it waits for a client
   std::int64_t look = WorkGate::kLook;  ///< as WorkGate::look, for tests
   /// What time it is, for tests; empty: the steady clock. When it has jumped, wake() tells the thread.
@@ -50,6 +50,23 @@ constexpr std::chrono::milliseconds kShortestTurn{5};
 /// Dwells of a scan have a date: in this time one is not interrupted.
 constexpr std::chrono::milliseconds kShortestDwell{50};
 
+/// The targets of the world, as the next frame is to see them. From any thread.
+class CurrentTargets {
+ public:
+  void set(TargetsPtr targets) {
+    const std::lock_guard lock(mutex_);
+    targets_.swap(targets);  // the old ones are freed after the lock
+  }
+  TargetsPtr get() const {
+    const std::lock_guard lock(mutex_);
+    return targets_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  TargetsPtr targets_;  ///< null: none
+};
+
 /// What the jobs of one render thread share. Written by that thread while nothing is rendered or all of it is
 /// parked; read by the rendering's threads too.
 struct RenderContext {
@@ -58,6 +75,7 @@ struct RenderContext {
   const RenderThreadOptions options;
 
   std::atomic<std::uint64_t> changes = 0;  ///< counts what others have told the thread; from any thread
+  CurrentTargets targets{};
 
   // Of this round:
   bool finishing = false;  ///< no frame is begun any more

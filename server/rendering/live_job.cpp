@@ -51,7 +51,7 @@ void LiveJob::give_up() {
 void LiveJob::render() {
   if (!plan()) return;
   BegunFrame& frame = *frame_;
-  RenderOptions options = frame.render_options(start_.stop);
+  RenderOptions options = frame.render_options(start_.stop, *start_.view);
   options.on_wedge = [&](Wedge&& wedge) {
     if (frame.rendered.first_wedge_s == 0) frame.rendered.first_wedge_s = to_seconds(context_.now() - begun_);
     frame.stats.add(wedge);
@@ -62,6 +62,7 @@ void LiveJob::render() {
   };
   for (const AzimuthRange& azimuths : azimuths_)
     if (!frame.plan->render(azimuths, options)) return frame.send_abort(frame.plan->why_stopped());
+  frame.send_truth({0, frame.azimuth_bins}, options);
   end();
 }
 

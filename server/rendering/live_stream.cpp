@@ -5,6 +5,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
+#include "server/output/describe_targets.h"
 #include "terrain/base/units.h"
 
 namespace obliq::net {
@@ -234,19 +235,30 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
       video8(order.video8),
       video16(order.video16),
       labels(order.labels),
+      truth(order.truth),
+      azimuth_bins(settings.azimuth_bins),
+      targets(stream.context_.targets.get()),
       plan(std::move(planned)) {
   rendered.waited_s = waited_s;
   if (stream.context_.renderer.fixed().empty()) receiver.emplace(settings, stream.name_, id, plan->air());
 }
 
-RenderOptions BegunFrame::render_options(const std::stop_token& stop) const {
+RenderOptions BegunFrame::render_options(const std::stop_token& stop, const LiveView& view) const {
   RenderOptions options = stream.context_.render_options(iq, states, stop);
+  options.targets = targets.get();
+  options.targets_at = view.targets_at;
   if (receiver) options.receiver = &*receiver;
   options.video8 = video8;
   options.video16 = video16;
   options.labels = labels;
   options.draw = frame_draw(stream.name_, frame_id);
   return options;
+}
+
+void BegunFrame::send_truth(const AzimuthRange& azimuths, const RenderOptions& options) {
+  if (!truth) return;
+  const double noise_w = receiver ? receiver->noise_power_w() : 0;
+  send({encoder.targets(azimuths, plan->truth(azimuths, options, noise_w))});
 }
 
 void BegunFrame::send(std::vector<BlockPtr> blocks) const {
@@ -259,6 +271,7 @@ void BegunFrame::send_begin(const LiveView& view) {
   if (receiver) describe_receiver(*receiver, descriptor);
   descriptor.set_frame_id(frame_id);
   descriptor.set_pose_stale(view.pose_stale);
+  describe_targets(targets, descriptor);
   send(encoder.begin(descriptor));
 }
 

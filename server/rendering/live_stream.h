@@ -140,8 +140,12 @@ struct BegunFrame {
              const RadarSettings& settings, const Order& order, const LiveView& view, double waited_s);
 
   void send(std::vector<BlockPtr> blocks) const;
-  /// Of any part of it.
-  RenderOptions render_options(const std::stop_token& stop) const;
+  /// Of any part of it, as the view is, with the targets that there are.
+  RenderOptions render_options(const std::stop_token& stop, const LiveView& view) const;
+  /// The world has moved on.
+  void take_targets() { targets = stream.context_.targets.get(); }
+  /// Where they are, to those who asked: of what has just been rendered with these options.
+  void send_truth(const AzimuthRange& azimuths, const RenderOptions& options);
   /// FrameBegin, with the pose of `view`.
   void send_begin(const LiveView& view);
   /// FrameEnd; `rendered` is given the counts of what was rendered.
@@ -159,6 +163,9 @@ struct BegunFrame {
   bool video8 = false;
   bool video16 = false;
   bool labels = false;
+  bool truth = false;
+  int azimuth_bins = 0;
+  TargetsPtr targets;  ///< in the world; null: none
   std::unique_ptr<PlannedFrame> plan;
   std::optional<Receiver> receiver;  ///< none where the renderer only replays: what it has been received
 };

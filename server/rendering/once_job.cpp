@@ -7,6 +7,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
+#include "server/output/describe_targets.h"
 #include "server/rendering/demand.h"
 #include "server/stream/frame_encoder.h"
 #include "terrain/base/errors.h"
@@ -173,6 +174,7 @@ bool OnceJob::begin(Frame& frame) const {
   const RadarSettings& settings = request.view.settings->settings;
   frame.receiver.emplace(settings, request.radar, settings.receiver.noise_frame, frame.plan->air());
   describe_receiver(*frame.receiver, descriptor);
+  describe_targets(request.targets, descriptor);
   FrameIdentity identity;
   identity.stream_id = request.stream_id;
   identity.request_id = request.request_id;
@@ -204,6 +206,8 @@ bool OnceJob::render_slice(Frame& frame) const {
   options.labels = (request.choice.planes & wire::kLabelPlanes) != 0;
   options.receiver = &*frame.receiver;
   options.draw = frame_draw(request.radar, frame.receiver->counter());
+  options.targets = request.targets.get();
+  options.targets_at = request.view.targets_at;
   options.on_wedge = [&](Wedge&& wedge) {
     frame.stats->add(wedge);
     for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins))
@@ -215,6 +219,11 @@ bool OnceJob::render_slice(Frame& frame) const {
   }
   frame.next_azimuth += count;
   if (frame.next_azimuth < frame.end_azimuth) return true;
+  if (request.choice.truth) {
+    const AzimuthRange all{0, request.view.settings->settings.azimuth_bins};
+    const auto records = frame.plan->truth(all, options, frame.receiver->noise_power_w());
+    frame.send(context_.events, frame.encoder->targets(all, records));
+  }
   wire::FrameSummary summary;
   frame.plan->summarise(frame.stats->total(), summary);
   // Counted before the client has it.

@@ -10,6 +10,7 @@
 #include "server/control/mount.h"
 #include "server/flight/pose_time_line.h"
 #include "server/radar/settings.h"
+#include "server/radar/targets/target.h"
 #include "server/rendering/rendered.h"
 #include "server/stream/frame_queue.h"
 #include "server/stream/live_frames.h"
@@ -26,6 +27,7 @@ struct LiveView {
   std::shared_ptr<const PoseTimeLine> poses;  ///< null: the pose above stays
   bool pose_stale = false;
   Mount mount{};
+  TargetMoment targets_at{};  ///< when targets are shown with it
 
   /// The antenna looks no further than its gimbal lets it.
   void hold() { pose = held_by(mount, settings->settings, pose); }
@@ -37,6 +39,7 @@ struct LiveView {
     view.pose = at.pose;
     view.pose_received_ns = at.received_ns;
     view.pose_stale = at.stale;
+    view.targets_at = {at.shown_ns, at.timed};
     view.hold();
     return view;
   }
@@ -51,6 +54,7 @@ struct OnceRequest {
   LiveView view;
   StreamChoice choice;
   FrameCost cost;
+  TargetsPtr targets;  ///< in its world; null: none
   std::stop_source stop;                                               ///< requested when its client has gone
   ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };

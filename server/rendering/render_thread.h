@@ -10,6 +10,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "server/rendering/appraisal_job.h"
@@ -45,6 +46,8 @@ class RenderThread {
   void set_demand(std::size_t radar, std::vector<Demand> demands);
   /// Total freeze of all radars: see LiveStream::hold.
   void hold(bool on);
+  /// From the next frame on, of a scan from the next dwell on. Null: none.
+  void set_targets(TargetsPtr targets) { context_.targets.set(std::move(targets)); }
   void enqueue(OnceRequestPtr request);
   void enqueue(AppraisalPtr appraisal);
   /// A client has taken bytes, or a request was cancelled.

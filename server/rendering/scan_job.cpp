@@ -216,7 +216,8 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
                          in_nanoseconds(scan_->schedule.middle(scan_->next)));
   // Wedges of one dwell are finished in any order; a display is given them in the beam's.
   std::vector<Wedge> wedges;
-  RenderOptions options = pass.render_options(stop);
+  pass.take_targets();
+  RenderOptions options = pass.render_options(stop, view);
   options.sharp = &scan_->sharp;
   options.dwell = static_cast<std::uint64_t>(scan_->next.number);
   options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
@@ -229,6 +230,7 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
     pass.stats.add(wedge);
     pass.send(pass.encoder.wedge(wedge.index, wedge.bins));
   }
+  pass.send_truth(scan_->schedule.azimuths(scan_->next), options);
   const double render_s = to_seconds(Clock::now() - start);
   if (pass.rendered.first_wedge_s == 0) pass.rendered.first_wedge_s = render_s;
   pass.rendered.render_s += render_s;

@@ -8,6 +8,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/output/describe_frame.h"
+#include "server/output/describe_targets.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/geometry/pose.h"
 #include "server/radar/render.h"
@@ -55,8 +56,14 @@ class PlannedSceneFrame : public PlannedFrame {
   std::unique_ptr<const TargetEchoes> targets(AzimuthRange azimuths,
                                               const RenderOptions& options) const override {
     if (options.targets == nullptr) return nullptr;
-    return std::make_unique<const TargetEchoes>(*plan_, air(), *options.targets, azimuths, options.draw,
-                                                options.dwell);
+    return std::make_unique<const TargetEchoes>(*plan_, air(), *options.targets, azimuths,
+                                                target_look(options));
+  }
+  std::vector<wire::TargetRecord> truth(AzimuthRange azimuths, const RenderOptions& options,
+                                        double noise_power_w) const override {
+    if (options.targets == nullptr) return {};
+    const TargetEchoes echoes(*plan_, air(), *options.targets, azimuths, target_look(options, true));
+    return target_records(*plan_, echoes.truth(), noise_power_w);
   }
   void summarise(const FrameStats& stats, wire::FrameSummary& summary) const override {
     summarise_frame(*plan_, stats, summary);

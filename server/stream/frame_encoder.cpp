@@ -260,6 +260,17 @@ void FrameEncoder::set_dwell(const wire::Pose& pose, std::int64_t pose_received_
   echo_->set_render_start_ns(monotonic_ns());
 }
 
+BlockPtr FrameEncoder::targets(const AzimuthRange& azimuths, std::span<const wire::TargetRecord> records) {
+  wire::TargetBlock message;
+  message.set_frame_id(identity_.frame_id);
+  message.set_records(static_cast<std::uint32_t>(records.size()));
+  message.set_record_bytes(wire::kTargetRecordBytes);
+  message.mutable_azimuths()->set_first_azimuth(static_cast<std::uint32_t>(azimuths.first));
+  message.mutable_azimuths()->set_n_azimuth(static_cast<std::uint32_t>(azimuths.count));
+  return finish(new_block(MessageType::target_block), as_json_, message,
+                wire::encode_target_records(records));
+}
+
 BlockPtr FrameEncoder::end(const wire::FrameSummary& summary, double render_s,
                            const std::vector<AzimuthRange>& missed) {
   wire::FrameEnd message;

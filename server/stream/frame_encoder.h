@@ -1,9 +1,11 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "proto/target_record.h"
 #include "server/radar/render.h"
 #include "server/stream/live_frames.h"
 
@@ -50,6 +52,8 @@ class FrameEncoder {
   std::vector<BlockPtr> begin(const wire::FrameDescriptor& descriptor);
   /// The planes of a wedge, each cut into blocks of at most wire::kMaxPlaneBytes.
   std::vector<BlockPtr> wedge(int wedge_index, const BinBlock& bins);
+  /// Where targets are, of all azimuths or of a dwell's; at most wire::kMaxTargetRecords.
+  BlockPtr targets(const AzimuthRange& azimuths, std::span<const wire::TargetRecord> records);
   /// missed: azimuth bins of a pass that were not rendered.
   BlockPtr end(const wire::FrameSummary& summary, double render_s,
                const std::vector<AzimuthRange>& missed = {});

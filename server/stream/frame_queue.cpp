@@ -32,6 +32,8 @@ bool FrameQueue::wants(const Block& block) const {
       return block.format ==
              choice_.format.of_plane(static_cast<wire::Plane>(std::countr_zero(block.planes)));
     }
+    case MessageType::target_block:
+      return choice_.truth;
     default:
       return true;
   }
@@ -47,7 +49,7 @@ BlockPtr FrameQueue::push(const BlockPtr& block, const LiveFramePtr& frame, std:
                                [&](const QueuedFrame& queued) { return queued.id == block->frame_id; });
   if (at == frames_.end()) return nullptr;
   const bool newest_wins = policy_ == QueuePolicy::newest_wins;
-  if (block->type == MessageType::wedge_block) {
+  if (block->type == MessageType::wedge_block || block->type == MessageType::target_block) {
     if (newest_wins && bytes_ + block->memory() > most_bytes)
       return give_up(at, "the client reads too slowly");
   } else {

@@ -58,6 +58,7 @@ StreamChoice read(const Request& request, int azimuth_bins, int range_bins, std:
   } else {
     errors.push_back({"video_bits", std::to_string(request.video_bits()), "8 or 16; 0 is 8"});
   }
+  choice.truth = request.truth();
   choice.format.window = wire::read_window(request.window());
   check_run(choice.format.window.azimuth, "azimuth", azimuth_bins, errors);
   check_run(choice.format.window.range, "range", range_bins, errors);

@@ -30,6 +30,7 @@ struct StreamChoice {
   wire::PlaneSet planes = wire::kAllPlanes;
   BlockFormat format{};
   bool as_json = false;  ///< descriptors are JSON, for a browser
+  bool truth = false;    ///< where targets are, too
 
   auto operator<=>(const StreamChoice&) const = default;
 };

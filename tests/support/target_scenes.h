@@ -130,8 +130,10 @@ class TargetScene {
  private:
   std::vector<TargetEcho> echoes(const RadarSettings& s, const Target& target, std::uint64_t frame) const {
     const PlanResult planned = plan_frame(scene_, snapshot(s), pose_);
+    TargetLook look;
+    look.frame = frame;
     return TargetEchoes(*planned.plan, air_view(planned.plan->looks_at()), {1, {target}}, {0, s.azimuth_bins},
-                        frame, 0)
+                        look)
         .echoes();
   }
 

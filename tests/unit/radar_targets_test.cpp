@@ -220,8 +220,8 @@ TEST(TargetEchoes, MoveByVelocityAndAcceleration) {
   target.velocity_m_s = {30, 0, 40};
   target.acceleration_m_s2 = {0, 0, 2};
   target.sim_time_ns = 1'000'000'000;
-  const auto start = place_target(scene.world(), target, 1'000'000'000);
-  const auto later = place_target(scene.world(), target, 11'000'000'000);
+  const auto start = place_target(scene.world(), target, 0);
+  const auto later = place_target(scene.world(), target, 10);
   ASSERT_TRUE(start && later);
   const glm::dvec3 step = later->foot_m - start->foot_m;
   // 300 m east and 500 m north of true north; the tangent plane bends away by millimetres.

@@ -67,7 +67,7 @@ std::shared_ptr<const Scene> build(const std::shared_ptr<const World>& world, co
 
 std::string targets_line(const FramePlan& plan, const TargetSet& set) {
   std::set<std::uint64_t> seen;
-  const TargetEchoes echoes(plan, air_view(plan.looks_at()), set, {0, plan.settings().azimuth_bins}, 0, 0);
+  const TargetEchoes echoes(plan, air_view(plan.looks_at()), set, {0, plan.settings().azimuth_bins}, {});
   for (const TargetEcho& echo : echoes.echoes()) seen.insert(echo.id);
   return std::to_string(set.targets.size()) + " targets, " + std::to_string(seen.size()) +
          " of them within the ranges and in sight";

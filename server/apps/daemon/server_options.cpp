@@ -2,7 +2,6 @@
 
 #include "server/apps/serving.h"
 #include "server/apps/version/version.h"
-#include "server/control/sections/targets.h"
 #include "server/scene/embree_tracer.h"
 #include "terrain/dem/gdal_messages.h"
 
@@ -13,7 +12,9 @@ net::ServerOptions server_options(const SceneConfig& config) {
   options.server_version = program_version();
   options.scene_name = config.name;
   options.render_threads = config.threads;
-  options.targets = targets_of(config);
+  options.target_types = config.target_types;
+  options.targets = config.targets;
+  options.target_seed = config.target_seed;
   options.materials = static_cast<int>(config.materials.size());
   return options;
 }

@@ -16,6 +16,7 @@ namespace {
 
 using Server = RowsOf<Change::restart, &SceneConfig::server>;
 using Limit = RowsOf<Change::reload, &SceneConfig::server>;
+constexpr std::array kRoles{Choice{"viewer"}, Choice{"controller"}, Choice{"admin"}};
 constexpr std::array kRowsOfServer{
     Server::row<&ServerConfig::address>("server.address", "Address to bind to."),
     Server::row<&ServerConfig::port>("server.port", closed(0, 65535), "TCP port; 0: any free one."),
@@ -82,6 +83,12 @@ constexpr std::array kRowsOfServer{
                                                   "Most unfinished RenderOnce requests per client."),
     Limit::row<&ServerLimits::max_subscriptions>("server.max_subscriptions", closed(1, 1000),
                                                  "Most radars that one client may watch."),
+    Limit::row<&ServerLimits::max_targets>("server.max_targets", closed(0, 10000),
+                                           "Most targets in the world, and in one RenderOnce."),
+    Server::row<&ServerConfig::truth_role>(
+        "server.truth_role", kRoles,
+        "Role that a token must give for its client to be told where targets are: truth beside frames, the "
+        "list of targets, targets in a saved exercise."),
     Limit::row<&ServerLimits::queue_frames>("server.queue_frames", closed(1, 1000),
                                             "Most frames that wait for a slow client."),
 };

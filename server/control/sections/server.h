@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/security/token_file.h"
+
 namespace obliq {
 
 struct Section;
@@ -30,6 +32,7 @@ struct ServerLimits {
   double max_memory_mb = 0;
   int max_renders_queued = 4;  ///< unfinished RenderOnce requests of one client
   int max_subscriptions = 16;  ///< of one client
+  int max_targets = 10000;     ///< in the world, and in one RenderOnce
   double stop_limit_s = 5;     ///< for begun frames and queues when stopping; then they are cut
   int queue_frames = 2;        ///< per subscription: the begun one and those that wait; the newest wins
 };
@@ -44,6 +47,7 @@ struct ServerConfig : ServerLimits {
   bool unprotected = false;     ///< serves other machines without TLS or tokens
   double dead_after_s = 60;
   int max_radars = 16;
+  net::Role truth_role = net::Role::controller;  ///< who may have the places of targets
 };
 
 extern const Section kServerSection;

@@ -1,7 +1,10 @@
 #pragma once
 #include <string>
+#include <vector>
 
+#include "server/radar/targets/route.h"
 #include "server/radar/targets/target.h"
+#include "terrain/base/errors.h"
 
 namespace obliq {
 
@@ -11,10 +14,21 @@ struct TargetType {
   TargetSize size;
 };
 
+/// The type of that name; null: there is none.
+const TargetType* find_type(const std::vector<TargetType>& types, const std::string& name);
+
+/// A target as an operator names it.
 struct TargetConfig {
   std::string name;
-  std::string type;  ///< name of one of the file's
+  std::string type;  ///< name of one of the file's; empty: none
+  RouteSpec route;   ///< what target.route is made of
   Target target;
+
+  /// From where it is over the route's points; without points it has none.
+  void lay_route();
 };
+
+/// What is outside its limits, or does not go together.
+std::vector<FieldError> validate(const TargetConfig& target);
 
 }  // namespace obliq

@@ -16,6 +16,9 @@ using Its = RowsOf<Change::restart>;
 constexpr Limits kSpeed = closed(-kMostSpeed_m_s, kMostSpeed_m_s);
 constexpr Limits kPush = closed(-1000, 1000);
 constexpr Limits kExtent = closed(0, 1000);
+constexpr Limits kLatitude = closed(-90, 90);
+constexpr Limits kLongitude = closed(-360, 360);
+constexpr Limits kHeight = closed(-1e3, 1e6);
 constexpr std::size_t kMost = 10000;
 
 /// The keys of a type, which a target may set for itself.
@@ -39,9 +42,9 @@ constexpr auto size_rows() {
 constexpr std::array kTypeRows = size_rows<Of>();
 
 constexpr std::array kPlaceRows{
-    Its::row<&Target::latitude_deg>("latitude_deg", "deg", closed(-90, 90), "Where it is."),
-    Its::row<&Target::longitude_deg>("longitude_deg", "deg", closed(-360, 360), "Where it is."),
-    Its::row<&Target::height_m>("height_m", "m", closed(-1e3, 1e6), "Of its foot, over the reference."),
+    Its::row<&Target::latitude_deg>("latitude_deg", "deg", kLatitude, "Where it is."),
+    Its::row<&Target::longitude_deg>("longitude_deg", "deg", kLongitude, "Where it is."),
+    Its::row<&Target::height_m>("height_m", "m", kHeight, "Of its foot, over the reference."),
     Its::row<&Target::height_reference>(
         "height_reference", "", kHeightReferences,
         "What the height counts from: the ground as it is loaded, the datum or the ellipsoid."),
@@ -75,6 +78,21 @@ constexpr std::array kRows = [] {
   return all;
 }();
 
+constexpr std::array kConfigRows{
+    RowsOf<Change::restart>::row<&TargetConfig::route, &RouteSpec::loops>(
+        "route_loops", "From the last point of its route back to the beginning, and so on."),
+};
+
+using Point = RowsOf<Change::restart>;
+constexpr std::array kRouteRows{
+    Point::row<&RoutePoint::latitude_deg>("latitude_deg", "deg", kLatitude, "Where it goes next."),
+    Point::row<&RoutePoint::longitude_deg>("longitude_deg", "deg", kLongitude, "Where it goes next."),
+    Point::row<&RoutePoint::height_m>("height_m", "m", kHeight,
+                                      "Of its foot there, over the target's reference; left out: its own."),
+    Point::row<&RoutePoint::speed_m_s>("speed_m_s", "m/s", above(0, kMostSpeed_m_s),
+                                       "On the way to it; left out: as on the way before, of the first 10."),
+};
+
 constexpr std::array kTargetsRows{
     Its::row<&SceneConfig::target_seed>("targets.seed", kAny,
                                         "Each seed gives targets another fluctuation and other phases."),
@@ -86,6 +104,49 @@ const Section kTargetsSection{"targets", {kTargetsRows}};
 
 std::span<const Row<TargetType>> target_type_rows() { return kTypeRows; }
 std::span<const Row<Target>> target_rows() { return kRows; }
+std::span<const Row<TargetConfig>> target_config_rows() { return kConfigRows; }
+std::span<const Row<RoutePoint>> route_rows() { return kRouteRows; }
+
+const TargetType* find_type(const std::vector<TargetType>& types, const std::string& name) {
+  const auto type = std::ranges::find(types, name, &TargetType::name);
+  return type == types.end() ? nullptr : &*type;
+}
+
+void TargetConfig::lay_route() {
+  target.route = route.points.empty() ? nullptr
+                                      : std::make_shared<const Route>(target.latitude_deg, target.longitude_deg,
+                                                                      target.height_m, route);
+}
+
+namespace {
+
+template <class T>
+void check_rows(std::span<const Row<T>> rows, T& object, const std::string& prefix,
+                std::vector<FieldError>& errors) {
+  for (const Row<T>& row : rows)
+    if (auto error = check(row.key, row.slot(object))) {
+      error->field = prefix + std::string(row.key.name);
+      errors.push_back(std::move(*error));
+    }
+}
+
+}  // namespace
+
+std::vector<FieldError> validate(const TargetConfig& config) {
+  TargetConfig checked = config;
+  std::vector<FieldError> errors;
+  check_rows<Target>(kRows, checked.target, "", errors);
+  for (std::size_t k = 0; k < checked.route.points.size(); ++k)
+    check_rows<RoutePoint>(kRouteRows, checked.route.points[k], "route[" + std::to_string(k) + "].", errors);
+  if (config.route.points.size() > kMostRoutePoints)
+    errors.push_back({"route", std::to_string(config.route.points.size()) + " points",
+                      "at most " + std::to_string(kMostRoutePoints)});
+  const glm::dvec3 none(0.0);
+  if (!config.route.points.empty() &&
+      (config.target.velocity_m_s != none || config.target.acceleration_m_s2 != none))
+    errors.push_back({"route", "a velocity beside it", "a route or a velocity: a route has speeds of its own"});
+  return errors;
+}
 
 void read_target_types(SceneReading& scene) {
   scene.top.one_table("target_types", [&](const ConfigNode& all) {
@@ -111,8 +172,7 @@ namespace {
 void read_type(SceneReading& scene, SectionReader& reader, TargetConfig& target) {
   reader.read("type", Key{"target.type", ""}, &target.type);
   const std::vector<TargetType>& types = scene.config.target_types;
-  const auto type = std::ranges::find(types, target.type, &TargetType::name);
-  if (type != types.end()) {
+  if (const TargetType* type = find_type(types, target.type)) {
     target.target.size = type->size;
     return;
   }
@@ -124,18 +184,37 @@ void read_type(SceneReading& scene, SectionReader& reader, TargetConfig& target)
                        {"target.type", node != nullptr ? node->found_text() : "nothing", allowed});
 }
 
+void read_route(SceneReading& scene, SectionReader& reader, TargetConfig& config) {
+  read_keys<TargetConfig>(scene, reader, {kConfigRows}, "", config);
+  double speed_m_s = RoutePoint{}.speed_m_s;
+  reader.each_table("route", [&](const ConfigNode& table) {
+    RoutePoint point;
+    point.speed_m_s = speed_m_s;
+    SectionReader its(table, "target.route", scene.complaints);
+    read_keys<RoutePoint>(scene, its, {kRouteRows}, "", point);
+    its.demand("latitude_deg", "a latitude");
+    its.demand("longitude_deg", "a longitude");
+    its.finish();
+    speed_m_s = point.speed_m_s;
+    config.route.points.push_back(point);
+  });
+}
+
 TargetConfig read_target(SceneReading& scene, const ConfigNode& table) {
   TargetConfig config;
   SectionReader reader(table, "target", scene.complaints);
   read_name(reader, "target.name", config.name);
   read_type(scene, reader, config);
   read_keys<Target>(scene, reader, {kRows}, "", config.target);
+  read_route(scene, reader, config);
   reader.demand("name", "a name that no other target has");
   reader.demand("latitude_deg", "a latitude");
   reader.demand("longitude_deg", "a longitude");
   if (config.target.height_reference == HeightReference::ellipsoid)
     reader.demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
   reader.finish();
+  for (const FieldError& error : validate(config))
+    if (error.field == "route") scene.complaints.add(table.where, {"target.route", error.found, error.allowed});
   return config;
 }
 
@@ -164,9 +243,17 @@ std::string printed_targets(const SceneConfig& config) {
   for (const TargetType& type : config.target_types)
     text += "\n[target_types." + toml_key(type.name) + "]\n" +
             printed_keys<TargetType>({kTypeRows}, "", type, config);
-  for (const TargetConfig& target : config.targets)
+  for (const TargetConfig& target : config.targets) {
     text += "\n[[target]]\nname = " + toml_string(target.name) + "\ntype = " + toml_string(target.type) +
-            "\n" + printed_keys<Target>({kRows}, "", target.target, config);
+            "\n" + printed_keys<Target>({kRows}, "", target.target, config) +
+            printed_keys<TargetConfig>({kConfigRows}, "", target, config);
+    for (const RoutePoint& point : target.route.points) {
+      text += "\n[[target.route]]\n";
+      RoutePoint printed = point;
+      printed.height_m = point.height_m.value_or(target.target.height_m);
+      text += printed_keys<RoutePoint>({kRouteRows}, "", printed, config);
+    }
+  }
   return text;
 }
 
@@ -174,7 +261,10 @@ TargetsPtr targets_of(const SceneConfig& config) {
   if (config.targets.empty()) return nullptr;
   auto set = std::make_shared<TargetSet>();
   set->seed = config.target_seed;
-  for (const TargetConfig& target : config.targets) set->targets.push_back(target.target);
+  for (TargetConfig target : config.targets) {
+    target.lay_route();
+    set->targets.push_back(std::move(target.target));
+  }
   return set;
 }
 

@@ -16,6 +16,8 @@ extern const Section kTargetsSection;
 
 std::span<const Row<TargetType>> target_type_rows();
 std::span<const Row<Target>> target_rows();
+std::span<const Row<TargetConfig>> target_config_rows();
+std::span<const Row<RoutePoint>> route_rows();
 
 void read_target_types(SceneReading& scene);
 /// After their types.

@@ -1,12 +1,27 @@
 #pragma once
+#include <cstdint>
 #include <glm/vec3.hpp>
 
 #include "server/scene/scene.h"
 
 namespace obliq {
 
-/// The share, 0 to 1, of the plumb line from a target's foot up to its top that stands over all ground and
-/// roofs between. Of a target without height: whether its foot does.
-double seen_share(const Scene& scene, const glm::dvec3& antenna_m, const glm::dvec3& foot_m, double top_m);
+/// What of a target is seen.
+struct SeenShare {
+  double share = 1;          ///< 0 to 1
+  bool by_building = false;  ///< what hides the rest
+};
+
+/// Of the vertical line from a target's foot to its top, as much as stands over what is highest before it;
+/// ground, roofs, curvature and refraction are those of the frames.
+SeenShare seen_share(const Scene& scene, const glm::dvec3& antenna_m, const glm::dvec3& foot_m, double top_m);
+
+/// What hides a target, or part of it.
+enum class HiddenBy : std::uint8_t { nothing = 0, ground = 1, building = 2, horizon = 3, unknown_ground = 4 };
+
+/// Of a target that is seen so. Horizon: the datum's own surface hides all of it. Unknown ground hides
+/// nothing, but what is there may.
+HiddenBy hidden_by(const Scene& scene, const glm::dvec3& antenna_m, const glm::dvec3& foot_m, double top_m,
+                   const SeenShare& seen);
 
 }  // namespace obliq

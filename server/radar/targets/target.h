@@ -9,6 +9,8 @@
 
 namespace obliq {
 
+class Route;  // server/radar/targets/route.h
+
 /// What of a target echoes.
 struct TargetSize {
   double rcs_dbsm = 10;  ///< mean radar cross section
@@ -29,13 +31,18 @@ struct Target {
   double height_m = 0;  ///< of its foot
   HeightReference height_reference = HeightReference::ground;
   double geoid_undulation_m = 0;  ///< used with HeightReference::ellipsoid only
-  // Along its own east, up and north; each part at most kMostSpeed_m_s.
+  // Along its own east, up and north; each part at most kMostSpeed_m_s. Of a target without a route.
   glm::dvec3 velocity_m_s{0.0};
   glm::dvec3 acceleration_m_s2{0.0};
   std::optional<double> heading_deg;  ///< where its nose points; empty: along its course
   double heading_rate_deg_s = 0;
+  std::shared_ptr<const Route> route;  ///< null: none
   TargetSize size;
-  std::int64_t sim_time_ns = 0;  ///< of place, velocity and heading, in the clock of the poses
+  // When place, motion and heading were so:
+  std::int64_t sim_time_ns = 0;  ///< in the clock of the poses
+  bool is_timed = true;          ///< that clock is meant where the pose has it too
+  std::int64_t arrived_ns = 0;   ///< by the server's clock, else
+  double valid_s = 0;            ///< so long after its arrival it goes; 0: never
 
   bool operator==(const Target&) const = default;
 };
@@ -44,7 +51,22 @@ struct Target {
 struct TargetSet {
   std::int64_t seed = 1;        ///< of their fluctuation
   std::vector<Target> targets;  ///< rising by id, each once
+  std::uint64_t version = 0;    ///< one more with every change
 };
 using TargetsPtr = std::shared_ptr<const TargetSet>;
+
+/// When a frame shows targets, beside the sim time of its pose.
+struct TargetMoment {
+  std::int64_t server_ns = 0;  ///< of the server's clock
+  bool pose_is_timed = true;   ///< its sim time is of the controller's clock
+};
+
+/// A look at the targets of a world.
+struct TargetLook {
+  TargetMoment at{};
+  std::uint64_t frame = 0;  ///< names the draw (TargetDraw), as dwell does
+  std::uint64_t dwell = 0;
+  bool truth = false;  ///< where each of them is is wanted too
+};
 
 }  // namespace obliq

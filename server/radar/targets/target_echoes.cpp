@@ -7,10 +7,11 @@
 
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/targets/seen_share.h"
-#include "server/radar/targets/target_place.h"
+#include "server/radar/targets/target_motion.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/units.h"
+#include "terrain/tangent_step.h"
 
 namespace obliq {
 namespace {
@@ -37,10 +38,11 @@ std::complex<double> phasor(double modulus, double turns) {
 }  // namespace
 
 TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets,
-                           AzimuthRange azimuths, std::uint64_t frame, std::uint64_t dwell)
+                           AzimuthRange azimuths, const TargetLook& look)
     : plan_(plan),
       azimuths_(azimuths),
-      draw_{static_cast<std::uint64_t>(targets.seed), frame, dwell},
+      at_(look.at),
+      draw_{static_cast<std::uint64_t>(targets.seed), look.frame, look.dwell},
       settings_(plan.settings()),
       azimuth_(settings_),
       elevation_(settings_, plan.looks_at().antenna_gain().tilt_rad()),
@@ -50,7 +52,8 @@ TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const Targ
       wavelength_m_(wavelength_at(settings_.frequency_ghz)),
       constant_(radar_equation_constant(settings_.power_w, wavelength_m_)),
       gain_(std::pow(10.0, settings_.gain_db / 10)),
-      circle_bins_(kTurn_rad / plan.bins().azimuth_width_rad) {
+      circle_bins_(kTurn_rad / plan.bins().azimuth_width_rad),
+      wants_truth_(look.truth) {
   if (attenuates(settings_)) loss_db_km_ = path_loss_db_km(settings_, air);
   for (int m = 0; m < plan.bins().n_range && normalises_samples(settings_); ++m) {
     const double range_m = plan.bins().r_min_m + (m + 0.5) * plan.bins().range_spacing_m;
@@ -65,8 +68,12 @@ TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const Targ
 void TargetEchoes::see(const Target& target) {
   const Scene& scene = plan_.scene();
   const glm::dvec3& antenna_m = plan_.sector().antenna_m;
-  const auto place = place_target(scene.world(), target, plan_.pose().settings.sim_time_ns);
+  const auto age_s = target_age(target, plan_.pose().settings.sim_time_ns, at_);
+  if (!age_s) return;
+  const auto place = place_target(scene.world(), target, *age_s);
   if (!place) return;
+  const TargetEcho middle = look_at(place->foot_m);
+  if (wants_truth_) note_truth(target, *age_s, *place, middle);
   const glm::dvec3 way_m = place->foot_m - antenna_m;
   const double ground_m = std::hypot(way_m.x, way_m.z);
   const double around_m = target.size.length_m + target.size.width_m;
@@ -78,12 +85,19 @@ void TargetEchoes::see(const Target& target) {
   const double aside_bins = around_m < ground_m / 2
                                 ? std::asin(around_m / ground_m) / plan_.bins().azimuth_width_rad
                                 : circle_bins_;
-  if (!reaches(look_at(place->foot_m), azimuths_, aside_bins)) return;
-  const double share = seen_share(scene, antenna_m, place->foot_m, target.size.top_m);
+  if (!reaches(middle, azimuths_, aside_bins)) return;
+  const double share = seen_share(scene, antenna_m, place->foot_m, target.size.top_m).share;
   if (!(share > 0)) return;
 
-  // One scatterer for each half of a range bin or of the beam that it covers as it is seen.
-  const SinCos nose = sincos(place->heading_rad);
+  for (const Scatterer& scatterer : scatterers(target, *place)) add_scatterer(target, scatterer, share);
+}
+
+std::vector<TargetEchoes::Scatterer> TargetEchoes::scatterers(const Target& target,
+                                                              const TargetPlace& place) const {
+  // One for each half of a range bin or of the beam that it covers as it is seen.
+  const glm::dvec3 way_m = place.foot_m - plan_.sector().antenna_m;
+  const double ground_m = std::hypot(way_m.x, way_m.z);
+  const SinCos nose = sincos(place.heading_rad);
   const double along = ground_m > 0 ? std::abs(way_m.x * nose.sin + way_m.z * nose.cos) / ground_m : 1;
   const double aside = std::sqrt(std::max(0.0, 1 - along * along));
   const double deep_m = std::max(target.size.length_m * along, target.size.width_m * aside);
@@ -96,24 +110,78 @@ void TargetEchoes::see(const Target& target) {
   const bool is_of_many = target.size.swerling == 1 || target.size.swerling == 2;
   if (!is_of_many || cells <= 1) {
     const Fluctuation look = fluctuation(target.size.swerling, target.id, draw_);
-    add_scatterer(target, place->foot_m, share, phasor(std::sqrt(look.power), look.phase_turns));
-    return;
+    return {{place.foot_m, 1, phasor(std::sqrt(look.power), look.phase_turns)}};
   }
   const auto n = static_cast<int>(std::min<double>(kMostScatterers, std::ceil(cells)));
   const std::uint64_t places = target_key(draw_.seed, target.id, 0);
+  std::vector<Scatterer> all;
   for (int k = 0; k < n; ++k) {
     // Its place on the target is fixed, and it draws as a target with an id of its own.
     const std::uint64_t own = mix64(places + 16 + static_cast<std::uint64_t>(k));
     const double ahead_m = target.size.length_m * (uniform_of_hash(own) - 0.5);
     const double right_m = target.size.width_m * (turns_of_hash(own) - 0.5);
-    const glm::dvec3 at_m = place->foot_m + glm::dvec3(ahead_m * nose.sin + right_m * nose.cos, 0,
-                                                       ahead_m * nose.cos - right_m * nose.sin);
+    const glm::dvec3 at_m = place.foot_m + glm::dvec3(ahead_m * nose.sin + right_m * nose.cos, 0,
+                                                      ahead_m * nose.cos - right_m * nose.sin);
     // Swerling 1 keeps the draw of the frame, the phase with it.
     TargetDraw draw = draw_;
     if (target.size.swerling == 1) draw.dwell = 0;
     const Fluctuation look = fluctuation(2, own, draw);
-    add_scatterer(target, at_m, share / n, phasor(std::sqrt(look.power), look.phase_turns));
+    all.push_back({at_m, 1.0 / n, phasor(std::sqrt(look.power), look.phase_turns)});
   }
+  return all;
+}
+
+double TargetEchoes::closing_m_s(const Target& target, double age_s, const TargetPlace& place) const {
+  // By what both have done a hundredth of a second later: along routes, straight on, over the ground.
+  constexpr double kMoment_s = 0.01;
+  const World& world = plan_.scene().world();
+  const auto later = place_target(world, target, age_s + kMoment_s);
+  const glm::dvec3& antenna_m = plan_.sector().antenna_m;
+  const glm::dvec3 way_m = place.foot_m - antenna_m;
+  const double range_m = glm::length(way_m);
+  if (!later || !(range_m > 0)) return 0;
+  const PoseSettings& pose = plan_.pose().settings;
+  const glm::dvec3 flown_m = kMoment_s * glm::dvec3(pose.velocity_east_m_s.value_or(0),
+                                                    pose.velocity_up_m_s.value_or(0),
+                                                    pose.velocity_north_m_s.value_or(0));
+  const Geodetic from = world.frame.geodetic_from_world({antenna_m});
+  const glm::dvec3 by_antenna_m =
+      world.frame.world_from_geodetic(moved(from, flown_m)).m - world.frame.world_from_geodetic(from).m;
+  return -glm::dot(later->foot_m - place.foot_m - by_antenna_m, way_m) / range_m / kMoment_s;
+}
+
+void TargetEchoes::note_truth(const Target& target, double age_s, const TargetPlace& place,
+                              const TargetEcho& at) {
+  const BinGrid& bins = plan_.bins();
+  TargetTruth truth;
+  if (at.position < bins.n_azimuth) truth.azimuth_bin = static_cast<int>(at.position);
+  const bool whole = azimuths_.count >= bins.n_azimuth;
+  if (!whole && (truth.azimuth_bin < azimuths_.first ||
+                 truth.azimuth_bin >= azimuths_.first + azimuths_.count))
+    return;
+  const glm::dvec3& antenna_m = plan_.sector().antenna_m;
+  const glm::dvec3 way_m = place.foot_m - antenna_m;
+  truth.id = target.id;
+  truth.foot_m = place.foot_m;
+  truth.height_m = place.height_m;
+  truth.azimuth_rad = at.position * bins.azimuth_width_rad;
+  truth.range_m = glm::length(way_m);
+  truth.elevation_rad = elevation_rad(place.foot_m, std::max(truth.range_m, kLeastRange_m));
+  truth.closing_m_s = closing_m_s(target, age_s, place);
+  const double range_bin = std::floor((truth.range_m - bins.r_min_m) / bins.range_spacing_m);
+  if (range_bin >= 0 && range_bin < bins.n_range) truth.range_bin = static_cast<int>(range_bin);
+  const SeenShare seen = seen_share(plan_.scene(), antenna_m, place.foot_m, target.size.top_m);
+  truth.share = seen.share;
+  truth.hidden_by = hidden_by(plan_.scene(), antenna_m, place.foot_m, target.size.top_m, seen);
+  double chi = 0;
+  for (const Scatterer& scatterer : scatterers(target, place)) {
+    const double drawn = scatterer.part * std::norm(scatterer.drawn);
+    chi += drawn;
+    const double range_m = std::max(glm::length(scatterer.at_m - antenna_m), kLeastRange_m);
+    truth.power_w += drawn * power_w(target, scatterer.at_m, range_m, seen.share);
+  }
+  truth.rcs_m2 = chi * std::pow(10.0, target.size.rcs_dbsm / 10);
+  truth_.push_back(truth);
 }
 
 TargetEcho TargetEchoes::look_at(const glm::dvec3& at_m) const {
@@ -140,29 +208,34 @@ TargetEcho TargetEchoes::look_at(const glm::dvec3& at_m) const {
   return echo;
 }
 
-void TargetEchoes::add_scatterer(const Target& target, const glm::dvec3& at_m, double share,
-                                 std::complex<double> drawn) {
-  TargetEcho echo = look_at(at_m);
-  echo.id = target.id;
-  const double range_m = echo.range_m;
-  // About the antenna's own vertical, as the ground's elevation is.
+double TargetEchoes::elevation_rad(const glm::dvec3& at_m, double range_m) const {
   const glm::dvec3 way_m = at_m - plan_.sector().antenna_m;
   const AntennaGain& table = plan_.looks_at().antenna_gain();
   const ElevationTable& lean = table.elevation();
   const double sine = std::clamp(way_m.y / range_m, -1.0, 1.0);
-  const double own_sine = std::clamp(
-      table.rise() * (sine + (lean.lean_x * way_m.x + lean.lean_z * way_m.z) / range_m), -1.0, 1.0);
-  const double antenna = gain_ * elevation_.power_gain(std::asin(own_sine));
+  return std::asin(std::clamp(
+      table.rise() * (sine + (lean.lean_x * way_m.x + lean.lean_z * way_m.z) / range_m), -1.0, 1.0));
+}
+
+double TargetEchoes::power_w(const Target& target, const glm::dvec3& at_m, double range_m,
+                             double share) const {
+  const double antenna = gain_ * elevation_.power_gain(elevation_rad(at_m, range_m));
   const double r2 = range_m * range_m;
   double left = share * path_power_factor(loss_db_km_, range_m);
   if (settings_.pulse.kind != PulseKind::off && settings_.pulse.eclipse) {
     const double voltage = response_.left_by_eclipse(range_m);
     left *= voltage * voltage;
   }
-  echo.power_w =
-      left * radar_equation(constant_, antenna, std::pow(10.0, target.size.rcs_dbsm / 10), r2 * r2);
-  const double round_trips = 2 * range_m / wavelength_m_;
-  echo.voltage = drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
+  return left * radar_equation(constant_, antenna, std::pow(10.0, target.size.rcs_dbsm / 10), r2 * r2);
+}
+
+void TargetEchoes::add_scatterer(const Target& target, const Scatterer& scatterer, double share) {
+  TargetEcho echo = look_at(scatterer.at_m);
+  echo.id = target.id;
+  echo.power_w = power_w(target, scatterer.at_m, echo.range_m, share * scatterer.part);
+  const double round_trips = 2 * echo.range_m / wavelength_m_;
+  echo.voltage =
+      scatterer.drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
   respond(echo);
   if (!echo.responses.empty()) echoes_.push_back(std::move(echo));
 }

@@ -18,7 +18,9 @@
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/weather.h"
 #include "server/radar/targets/fluctuation.h"
+#include "server/radar/targets/seen_share.h"
 #include "server/radar/targets/target.h"
+#include "server/radar/targets/target_place.h"
 
 namespace obliq {
 
@@ -36,26 +38,58 @@ struct TargetEcho {
   std::complex<double> voltage{0.0};  ///< sqrt(W), with the draw and the phase of the way
 };
 
+/// Where a target is in a frame, seen or not.
+struct TargetTruth {
+  std::uint64_t id = 0;
+  glm::dvec3 foot_m{0.0};  ///< in the world
+  double height_m = 0;     ///< above the datum
+  double azimuth_rad = 0;  ///< clockwise from the sector's left edge
+  double range_m = 0;      ///< slant
+  double elevation_rad = 0;
+  double closing_m_s = 0;  ///< of target and antenna together
+  double power_w = 0;      ///< as drawn, in the middle of beam and pulse, before the receiver; 0: hidden
+  double rcs_m2 = 0;       ///< as drawn, all of it
+  double share = 0;        ///< of it that is seen
+  HiddenBy hidden_by = HiddenBy::nothing;
+  int azimuth_bin = -1;  ///< -1: none of the frame's
+  int range_bin = -1;
+};
+
 /// What the targets of a frame add to its bins. Each target in the order of the list, each wedge by itself,
 /// so that the bits do not depend on threads. Immutable.
 class TargetEchoes {
  public:
-  /// At the time of the plan's pose; of targets that no bin of `azimuths` sees, nothing. frame, dwell: name
-  /// the draw (TargetDraw).
+  /// At the time of the plan's pose; of targets that no bin of `azimuths` sees, no echoes.
   TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets, AzimuthRange azimuths,
-               std::uint64_t frame, std::uint64_t dwell);
+               const TargetLook& look);
 
   /// To the echoes of the ground, before the receiver: power, I&Q where they are wanted, and the look of
   /// video. Counts, states and labels are the ground's.
   void add(BinBlock& bins, bool iq) const;
 
   const std::vector<TargetEcho>& echoes() const { return echoes_; }
+  /// Where it was asked for, of those that are in the world: of all for a frame's whole sector, else of those
+  /// in `azimuths`.
+  const std::vector<TargetTruth>& truth() const { return truth_; }
 
  private:
   void see(const Target& target);
+  void note_truth(const Target& target, double age_s, const TargetPlace& place, const TargetEcho& at);
+  double closing_m_s(const Target& target, double age_s, const TargetPlace& place) const;
   /// Where a point is seen, without what it returns.
   TargetEcho look_at(const glm::dvec3& at_m) const;
-  void add_scatterer(const Target& target, const glm::dvec3& at_m, double share, std::complex<double> drawn);
+  /// What of it echoes by itself.
+  struct Scatterer {
+    glm::dvec3 at_m{0.0};
+    double part = 1;                   ///< of the mean cross section
+    std::complex<double> drawn{0.0};  ///< what the voltage of the mean is multiplied by
+  };
+  std::vector<Scatterer> scatterers(const Target& target, const TargetPlace& place) const;
+  void add_scatterer(const Target& target, const Scatterer& scatterer, double share);
+  /// About the antenna's own vertical, as the ground's is.
+  double elevation_rad(const glm::dvec3& at_m, double range_m) const;
+  /// Mean, in the middle of beam and pulse, of so much of a target's cross section.
+  double power_w(const Target& target, const glm::dvec3& at_m, double range_m, double share) const;
   static void add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq);
   /// How far a place in azimuth is from the target, in bins, the short way round.
   double bins_away(const TargetEcho& echo, double position) const;
@@ -67,6 +101,7 @@ class TargetEchoes {
 
   const FramePlan& plan_;
   const AzimuthRange azimuths_;
+  const TargetMoment at_;
   const TargetDraw draw_;
   const RadarSettings& settings_;
   const AzimuthPattern azimuth_;
@@ -79,7 +114,9 @@ class TargetEchoes {
   const double circle_bins_;  ///< azimuth bins all the way round
   double loss_db_km_ = 0;
   std::vector<double> range2_m2_;  ///< [n_range] of range normalisation; else empty
+  const bool wants_truth_;
   std::vector<TargetEcho> echoes_;
+  std::vector<TargetTruth> truth_;
 };
 
 }  // namespace obliq
