@@ -28,6 +28,8 @@ class SetReplay;
 class ReplayState;
 class ExerciseState;
 class ExerciseEvents;
+class SetTargets;
+class TargetList;
 }  // namespace obliq::wire
 
 namespace obliq::client {
@@ -89,6 +91,15 @@ class Client {
   /// Queues a frame; it then arrives at the handler with the request's number, which is stored in `request`.
   Status render_once(wire::RenderOnce& request);
   Status get_status(wire::Status& status);
+  // Targets of the world, of a server of version 1.2:
+  /// This client alone may set them. force: also from another client, for an admin.
+  Status claim_targets(bool force = false);
+  Status release_targets();
+  /// All of it or nothing; what one message does not hold goes in several, and still at once. warnings: of what
+  /// was left out.
+  Status set_targets(const wire::SetTargets& change, std::vector<std::string>& warnings);
+  /// All there are, with what else a TargetList says. Needs the server's truth role.
+  Status get_targets(wire::TargetList& list);
   // The exercise: all radars of a server of version 1.2. What needs both claims of all of them an admin may
   // do without.
   Status get_exercise(wire::ExerciseState& state);

@@ -23,6 +23,7 @@ constexpr std::uint64_t kSmall_bytes = 1 << 20;
 constexpr std::uint64_t kPartThatArrives = 8;
 // A pass that brought less than this part of its values and missed the others is given up.
 constexpr std::uint64_t kLeastPartOfPass = 64;
+constexpr std::size_t kMostTargets = 100 * std::size_t{wire::kMaxTargetRecords};
 // Above any radar's limits. No product below can overflow, and what is kept for each azimuth bin from the
 // frame's beginning is less than a megabyte.
 constexpr int kMostAzimuths = 1 << 14;
@@ -219,6 +220,15 @@ std::optional<std::uint64_t> FrameAssembler::values_missed(const wire::FrameEnd&
     frame_.missed.emplace_back(static_cast<int>(span.first_azimuth()), static_cast<int>(span.n_azimuth()));
   }
   return values;
+}
+
+Status FrameAssembler::on_targets(const wire::MessageHeader& header, const wire::TargetBlock& block,
+                                  std::span<const wire::TargetRecord> records) {
+  if (!is_current(header, block.frame_id())) return {};
+  // A dwell more than a frame has azimuth bins is none, nor are more targets than a world has in each.
+  if (frame_.targets.size() + records.size() > kMostTargets) return bad("the frame has too many targets");
+  frame_.targets.insert(frame_.targets.end(), records.begin(), records.end());
+  return {};
 }
 
 Status FrameAssembler::on_end(const wire::MessageHeader& header, const wire::FrameEnd& end) {

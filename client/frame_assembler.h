@@ -44,6 +44,8 @@ struct AssembledFrame {
   std::vector<float> building;         ///< share of the mean power that buildings give
   std::vector<float> height_m;         ///< above the datum, weighed by power; NaN: no power
   std::vector<std::uint8_t> returns;   ///< separate stretches of visible surface in the bin
+  /// Where targets are, where truth was asked for. Of a pass in the order of its dwells.
+  std::vector<wire::TargetRecord> targets;
   int video_bits = 8;                  ///< of what was sent; without video means nothing
 };
 
@@ -62,6 +64,8 @@ class FrameAssembler : public FrameHandler {
 
   Status on_begin(const wire::MessageHeader&, const wire::FrameBegin&) override;
   Status on_block(const wire::MessageHeader&, const wire::WedgeBlock&, std::span<const std::byte>) override;
+  Status on_targets(const wire::MessageHeader&, const wire::TargetBlock&,
+                    std::span<const wire::TargetRecord>) override;
   Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) override;
   Status on_abort(const wire::MessageHeader&, const wire::FrameAbort&) override;
   void on_lost() override;

@@ -25,7 +25,7 @@ Status unreadable(const char* what) {
 }
 
 bool is_frame(MessageType type) {
-  return type >= MessageType::frame_begin && type <= MessageType::frame_abort;
+  return type >= MessageType::frame_begin && type <= MessageType::target_block;
 }
 
 Status dispatch_frame(const wire::MessageHeader& header, std::span<const std::byte> descriptor,
@@ -40,6 +40,14 @@ Status dispatch_frame(const wire::MessageHeader& header, std::span<const std::by
       wire::WedgeBlock block;
       if (Status status = check_block(descriptor, plane, block); !status.ok()) return status;
       return to.on_block(header, block, plane);
+    }
+    case MessageType::target_block: {
+      wire::TargetBlock block;
+      std::vector<wire::TargetRecord> records;
+      if (!wire::parse_descriptor(descriptor, block) ||
+          !wire::decode_target_records(plane, block.records(), block.record_bytes(), records))
+        return unreadable("TargetBlock");
+      return to.on_targets(header, block, records);
     }
     case MessageType::frame_end: {
       wire::FrameEnd end;

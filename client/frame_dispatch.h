@@ -4,10 +4,12 @@
 
 #include "client/status.h"
 #include "proto/message_header.h"
+#include "proto/target_record.h"
 
 namespace obliq::wire {
 class FrameBegin;
 class WedgeBlock;
+class TargetBlock;
 class FrameEnd;
 class FrameAbort;
 class ExerciseEvents;
@@ -24,6 +26,11 @@ class FrameHandler {
   /// plane: the values of the block's rectangle, coded as the block says (wire::plain_values decodes them).
   /// The coding is a possible one, and the length has been checked unless they are compressed.
   virtual Status on_block(const wire::MessageHeader&, const wire::WedgeBlock&, std::span<const std::byte>) {
+    return {};
+  }
+  /// Where targets are, for a client that asked for truth: of a frame, of a pass of each dwell.
+  virtual Status on_targets(const wire::MessageHeader&, const wire::TargetBlock&,
+                            std::span<const wire::TargetRecord>) {
     return {};
   }
   virtual Status on_end(const wire::MessageHeader&, const wire::FrameEnd&) { return {}; }

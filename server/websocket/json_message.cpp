@@ -72,6 +72,9 @@ const Message* example_of(MessageType type) {
       {MessageType::ground_answer, &wire::GroundAnswer::default_instance()},
       {MessageType::set_replay, &wire::SetReplay::default_instance()},
       {MessageType::replay_state, &wire::ReplayState::default_instance()},
+      {MessageType::set_targets, &wire::SetTargets::default_instance()},
+      {MessageType::get_targets, &wire::GetTargets::default_instance()},
+      {MessageType::target_list, &wire::TargetList::default_instance()},
       {MessageType::reset_exercise, &wire::ResetExercise::default_instance()},
       {MessageType::get_exercise, &wire::GetExercise::default_instance()},
       {MessageType::exercise_state, &wire::ExerciseState::default_instance()},
@@ -82,6 +85,7 @@ const Message* example_of(MessageType type) {
       {MessageType::add_bookmark, &wire::AddBookmark::default_instance()},
       {MessageType::frame_begin, &wire::FrameBegin::default_instance()},
       {MessageType::wedge_block, &wire::WedgeBlock::default_instance()},
+      {MessageType::target_block, &wire::TargetBlock::default_instance()},
       {MessageType::frame_end, &wire::FrameEnd::default_instance()},
       {MessageType::frame_abort, &wire::FrameAbort::default_instance()},
   };

@@ -224,6 +224,14 @@ TypeFacts facts_of(MessageType type) {
       return {"ExerciseEvents", false, true};
     case MessageType::add_bookmark:
       return {"AddBookmark", true, false};
+    case MessageType::set_targets:
+      return {"SetTargets", true, false};
+    case MessageType::get_targets:
+      return {"GetTargets", true, false};
+    case MessageType::target_list:
+      return {"TargetList", false, true};
+    case MessageType::target_block:
+      return {"TargetBlock", false, true};
     case MessageType::frame_begin:
       return {"FrameBegin", false, true};
     case MessageType::wedge_block:

@@ -25,7 +25,7 @@ TEST(TargetSights, BehindAWallFollowTheStraightLine) {
   const double free_m = antenna.y * far_m / (antenna.y - kWall_m);
   const auto share = [&](double z, double top_m) {
     const auto place = place_target(scene.world(), scene.at(0, z, 0), 0);
-    return seen_share(scene.scene(), antenna, place->foot_m, top_m);
+    return seen_share(scene.scene(), antenna, place->foot_m, top_m).share;
   };
   EXPECT_EQ(share(free_m + 0.5, 0), 1);
   EXPECT_EQ(share(free_m - 0.5, 0), 0);
@@ -63,7 +63,7 @@ TEST(TargetSights, AmongHillsAreThoseOfAFineMarch) {
       slope = std::max(
           slope, (grid.height_at_m(antenna.x + way.x / d * at, antenna.z + way.z / d * at) - antenna.y) / at);
     const double seen = std::clamp((way.y + top_m - slope * d) / top_m, 0.0, 1.0);
-    EXPECT_NEAR(seen_share(scene.scene(), antenna, place->foot_m, top_m), seen, 0.02) << x << " " << z;
+    EXPECT_NEAR(seen_share(scene.scene(), antenna, place->foot_m, top_m).share, seen, 0.02) << x << " " << z;
     partly += seen > 0 && seen < 1 ? 1 : 0;
     hidden += seen == 0 ? 1 : 0;
   }

@@ -64,6 +64,12 @@ void ReplayedFrame::summarise(const FrameStats&, wire::FrameSummary& summary) co
   summary = *recorded_->frame.summary;
 }
 
+std::vector<wire::TargetRecord> ReplayedFrame::truth(AzimuthRange, const RenderOptions&, double) const {
+  const auto& all = recorded_->frame.targets;
+  return {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(
+                                         std::min<std::size_t>(all.size(), wire::kMaxTargetRecords))};
+}
+
 const wire::ScanPass* ReplayedFrame::scan() const {
   if (!recorded_->scan) return nullptr;
   scan_ = std::make_unique<wire::ScanPass>(*recorded_->scan);

@@ -27,6 +27,7 @@ class ReplayedFrame : public net::PlannedFrame {
 
   void describe(const std::string&, wire::FrameDescriptor& descriptor) const override;
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override;
+  std::vector<wire::TargetRecord> truth(AzimuthRange, const RenderOptions&, double) const override;
   void summarise(const FrameStats&, wire::FrameSummary& summary) const override;
   const wire::ScanPass* scan() const override;
   const wire::WedgeBlock* dwell() const override { return dwell_.get(); }
