@@ -18,12 +18,12 @@ import textwrap
 HERE = pathlib.Path(__file__).resolve().parent
 PACKAGE = HERE / "src" / "obliq"
 PROTO = HERE.parent.parent / "proto"
-FILES = ["obliq_pb2.py", "obliq_pb2.pyi", "parameters.py", "_keywords.py", "_classes.py", "_streams.py"]
+FILES = ["obliq_pb2.py", "obliq_pb2.pyi", "parameters.py", "_keywords.py", "_classes.py", "_control.py", "_streams.py"]
 # What the asyncio classes say, and what the blocking ones say instead.
 BLOCKING = [(r"async (def|with|for) ", r"\1 "), (r"\bawait ", ""), (r"\basynccontextmanager\b", "contextmanager"),
             (r"__(aenter|aexit|aiter|anext)__", lambda found: f"__{found[1][1:]}__"), (r"\bStopAsyncIteration\b", "StopIteration"),
             (r"\bAsyncIterator\b", "Iterator"), (r"Callable\[\[\], Awaitable\[Connection\]\]", "Callable[[], Connection]"),
-            (r"\((self\.info\(\))\)", r"\1"), (r"\basyncio\.Lock\b", "threading.Lock"), (r"\basyncio\.sleep\b", "time.sleep"), (r"_aio_(connection|streams|classes)", r"_\1")]
+            (r"\((self\.info\(\))\)", r"\1"), (r"\basyncio\.Lock\b", "threading.Lock"), (r"\basyncio\.sleep\b", "time.sleep"), (r"_aio_(connection|control|streams|classes)", r"_\1")]
 PYTHON_TYPES = {"number": "float", "integer": "int", "boolean": "bool", "choice": "str", "text": "str",
                 "list of numbers": "Sequence[float]"}
 
@@ -127,7 +127,7 @@ def generate(folder, obliq, protoc):
 
     for name, text in zip(("parameters", "_keywords"), parameters_texts(rows, obliq_pb2)):
         (folder / f"{name}.py").write_text(text)
-    for name in ("classes", "streams"):
+    for name in ("classes", "control", "streams"):
         (folder / f"_{name}.py").write_text(blocking_text((PACKAGE / f"_aio_{name}.py").read_text()))
 
 

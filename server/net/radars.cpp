@@ -68,17 +68,19 @@ void Radars::watch(LiveRadar& radar, Peer& peer, Demand demand) {
   update_demand(radar);
 }
 
-void Radars::watch_no_longer_lossless(LiveRadar& radar, Peer& peer) {
-  const auto at = std::ranges::find_if(radar.watchers, [&](const Watcher& watcher) {
-    return watcher.peer == &peer && watcher.demand.lossless;
-  });
+void Radars::watch_as_the_role_allows(LiveRadar& radar, Peer& peer) {
+  const auto at = std::ranges::find(radar.watchers, &peer, &Watcher::peer);
   if (at == radar.watchers.end()) return;
   Demand demand = at->demand;
-  demand.lossless = false;
+  demand.lossless &= peer.role >= Role::controller;
+  demand.choice.truth &= peer.role >= options_.truth_role;
+  if (demand.lossless == at->demand.lossless && demand.choice.truth == at->demand.choice.truth) return;
+  const std::string lost = demand.lossless == at->demand.lossless ? "is no longer told where targets are"
+                                                                  : "no longer watches without losses";
   unsubscribe(radar, peer);
   watch(radar, peer, std::move(demand));
-  spdlog::warn("radar {}: {} no longer watches without losses, its role is {} now; it gets the newest frames",
-               radar.name, peer.name, role_name(peer.role));
+  spdlog::warn("radar {}: {} {}, its role is {} now; it gets the newest frames", radar.name, peer.name, lost,
+               role_name(peer.role));
 }
 
 void Radars::check_windows(LiveRadar& radar) const {
@@ -177,9 +179,9 @@ void Radars::forget(Peer& peer) {
 }
 
 void Radars::check_role(Peer& peer) {
+  for (LiveRadar& radar : radars_) watch_as_the_role_allows(radar, peer);
   if (peer.role >= Role::controller) return;
   for (LiveRadar& radar : radars_) {
-    watch_no_longer_lossless(radar, peer);
     const wire::ClaimSet released = release(radar, wire::kEveryClaim, peer);
     if (released == 0) continue;
     spdlog::warn("radar {}: {} released, the role of {} is {} now", radar.name, wire::claim_names(released),

@@ -81,8 +81,8 @@ class Radars {
   wire::ClaimSet end_claims(LiveRadar& radar, wire::ClaimSet claims, const Peer& peer);
   /// The render thread keeps the settings and the pose of this moment.
   void hold_view(const LiveRadar& radar);
-  /// A subscription that held the radar up gets its newest frames from now on.
-  void watch_no_longer_lossless(LiveRadar& radar, Peer& peer);
+  /// A subscription loses what its client's role does not allow any more: it held the radar up, or had truth.
+  void watch_as_the_role_allows(LiveRadar& radar, Peer& peer);
 
   const ServerOptions& options_;
   RenderThread& render_;

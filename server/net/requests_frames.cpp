@@ -135,7 +135,8 @@ void Requests::render_once(const wire::RenderOnce& request) {
   render->view.pose_received_ns = monotonic_ns();
   render->targets = room_.targets().of_one_frame(targets, request.live_targets());
   render->view.targets_at = {room_.targets().now_ns(), request.pose().has_sim_time_ns()};
-  if (request.as_live() && !request.pose().has_sim_time_ns()) render->view.targets_at = like->shown().targets_at;
+  if (request.as_live() && !request.pose().has_sim_time_ns())
+    render->view.targets_at = like->view().at(room_.targets().now_ns()).targets_at;
   render->choice = choice;
   render->cost = cost;
   room_.render_once(peer_, render);

@@ -345,7 +345,8 @@ void TargetWorld::freeze(bool on) {
     frozen_since_ns_ = monotonic_ns();
     return;
   }
-  const std::int64_t pause_ns = monotonic_ns() - *std::exchange(frozen_since_ns_, std::nullopt);
+  const std::int64_t pause_ns = monotonic_ns() - *frozen_since_ns_;
+  frozen_since_ns_.reset();
   for (auto& [id, target] : all_) target.target.arrived_ns += pause_ns;
   changed();
 }

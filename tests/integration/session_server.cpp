@@ -63,6 +63,10 @@ class GatedFrame : public net::PlannedFrame {
     frame_->summarise(stats, summary);
   }
   AirView air() const override { return frame_->air(); }
+  std::vector<wire::TargetRecord> truth(AzimuthRange azimuths, const RenderOptions& options,
+                                        double noise_power_w) const override {
+    return frame_->truth(azimuths, options, noise_power_w);
+  }
   std::vector<std::uint32_t> seen() const override { return frame_->seen(); }
   void see_again(const std::vector<std::uint32_t>& buildings) const override { frame_->see_again(buildings); }
   std::unique_ptr<PlannedFrame> again(const PoseSettings& pose) const override {

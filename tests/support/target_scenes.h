@@ -73,6 +73,7 @@ class TargetScene {
 
   const World& world() const { return scene_->world(); }
   const Scene& scene() const { return *scene_; }
+  const std::shared_ptr<const Scene>& shared() const { return scene_; }
   const Pose& pose() const { return pose_; }
   Pose& pose() { return pose_; }
 

@@ -17,7 +17,7 @@ from ._batch import Job, batch, prepare, todo
 from ._progress import Done
 from ._requests import Accepted, RadarInfo, ServerInfo, Tls
 from ._dataset import Dataset
-from .client import Control, Radar, Replay, Server, Stream, connect
+from .client import Control, Radar, Replay, Server, Stream, Targets, connect
 from .errors import (
     BadStream,
     CannotConnect,
@@ -48,12 +48,13 @@ from .planes import STATES, Window
 from .recording import Loss, Recording
 from .recording import open_recording as open
 from .replay import ReplayState
+from .targets import Route, Target
 
 __all__ = [
     "STATES", "Accepted", "BadStream", "CannotConnect", "ConnectionLost", "Control", "Dataset", "Done", "Dwell", "Fault",
     "Frame", "FrameAborted", "GroundPoints", "InvalidValue", "Job", "Loss", "NotInControl", "ObliqError", "OverLimit", "Pose",
-    "Radar", "RadarInfo", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly", "ReplayState", "Server", "ServerFull",
-    "ServerInfo", "ServerStopping", "Settings", "Stream", "TimedOut", "Tls", "Unauthorized", "UnknownRadar", "Untrusted",
+    "Radar", "RadarInfo", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly", "ReplayState", "Route", "Server", "ServerFull",
+    "ServerInfo", "ServerStopping", "Settings", "Stream", "Target", "Targets", "TimedOut", "Tls", "Unauthorized", "UnknownRadar", "Untrusted",
     "Wedge", "Window", "aio", "batch", "connect", "errors", "ground", "load", "local", "local_daemon", "open", "prepare",
     "todo", "wire",
 ]

@@ -17,7 +17,7 @@ MOST_FRAMES_WAITING = 2
 MOST_WEDGES_WAITING = 512
 
 Answer = Union[wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer, wire.ExerciseState,
-               wire.ExerciseEvents, wire.Ack]
+               wire.ExerciseEvents, wire.TargetList, wire.Ack]
 
 
 class Pending:

@@ -12,6 +12,7 @@ from .errors import BadStream, FrameAborted
 from .frame import Dwell, Frame
 from .parameters import Pose
 from .planes import MISSED, NAMES, TYPES, Scaled, plain
+from .targets import records_of
 
 # Above any radar's limits; what is kept for each azimuth from a frame's beginning is then small.
 MOST_AZIMUTHS = 1 << 14
@@ -22,6 +23,7 @@ MOST_BYTES = 8 << 30
 # client/frame_assembler.cpp does.
 LEAST_PART = 64
 SMALL_BYTES = 1 << 20
+MOST_TARGETS = 1_000_000
 # More than this the C library takes from the system, as pages that are 0 and cost nothing until something is written to them
 # (mallopt(3): the greatest M_MMAP_THRESHOLD).
 FRESH_BYTES = 32 << 20
@@ -112,6 +114,13 @@ class Assembler:
             return None
         self.frame._note_dwell(rows, block, header.utc_ns)
         return rows
+
+    def targets(self, block: wire.TargetBlock, plane: memoryview | bytes) -> None:
+        """Takes where targets are; of a pass the parts of its dwells, one behind the other."""
+        records, before = records_of(block, plane), self.frame.targets
+        if before is not None and len(before) + len(records) > MOST_TARGETS:
+            raise BadStream("the frame has too many targets")
+        self.frame.targets = records if before is None else np.concatenate([before, records])
 
     def _allocate(self, name: str, kind: np.dtype[Any]) -> npt.NDArray[Any]:
         try:

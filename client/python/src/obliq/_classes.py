@@ -6,7 +6,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
+from typing import Any, Literal, TypeVar, overload
 
 import numpy.typing as npt
 
@@ -14,17 +14,16 @@ from . import _requests as requests
 from . import ground
 from . import obliq_pb2 as wire
 from ._connection import Connection
+from ._control import Control, Targets
 from ._streams import Replay, Stream
 from ._assembly import Wedge
 from ._asked import Rendering
 from ._session import Command, Session
 from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut, printable
 from .frame import Frame
-from .parameters import Pose, PoseFields, Settings, SettingsFields
+from .parameters import Pose, PoseFields, Settings
 from .planes import Planes, Window
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
+from .targets import Target, TargetLike, World
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 5.0
 # A loss, or why an attempt to connect again failed for now; other refusals are for good.
@@ -103,6 +102,28 @@ class Server:
         """The message Status."""
         return self._run(self._session.call(wire.GetStatus(), wire.Status))
 
+    @contextlib.contextmanager
+    def targets(self, force: bool = False) -> Iterator[Targets]:
+        """Claims the world's targets; the claim is released at the end, the targets stay. force: from another client, for
+        an admin."""
+        request = requests.of_1_2(self._session.welcome, wire.ClaimControl(force=force, kinds=[wire.TARGETS_CLAIM]))
+        self._run(self._session.act(request))
+        try:
+            yield Targets(self)
+        finally:
+            with contextlib.suppress(ObliqError):  # gone with the connection, or taken over by another
+                self._run(self._session.act(wire.ReleaseControl(kinds=[wire.TARGETS_CLAIM])))
+
+    def target_list(self) -> list[Target]:
+        """All targets of the world, as they were set. Needs the server's truth role."""
+        found: list[Target] = []
+        while True:
+            request = requests.of_1_2(self._session.welcome, wire.GetTargets(after=found[-1].id or 0 if found else 0))
+            page = self._run(self._session.call(request, wire.TargetList))
+            found += [Target.read(each) for each in page.targets]
+            if not page.more or not page.targets:
+                return found
+
     def exercise(self) -> wire.ExerciseState:
         """Poses, settings, seeds, times and switches of all radars, for load_exercise()."""
         return self._run(self._session.call(requests.of_1_2(self._session.welcome, wire.GetExercise()), wire.ExerciseState))
@@ -160,35 +181,43 @@ class Server:
 
     def render(self, settings: requests.SettingsLike = None, pose: requests.PoseLike = None, *, planes: Planes = None,
                encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-               timeout: float = 60.0, radar: str = "python", as_live: bool = False) -> Frame:
+               timeout: float = 60.0, radar: str = "python", as_live: bool = False,
+               targets: Iterable[TargetLike] | None = None, live_targets: bool = False, truth: bool = False) -> Frame:
         """One frame for this client alone; no live radar is touched. settings, pose: objects or dicts; absent settings
         take their defaults; as_live: what is absent in either is as the live radar of that name has it now. planes: "iq
-        state", or None for iq, power, count and state."""
-        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, as_live, None))
+        state", or None for iq, power, count and state. targets: of this frame alone; live_targets: those of the world too.
+        truth: frame.targets says where they are."""
+        rendering = self._begin((settings, pose, planes, encoding, compress, window, radar, as_live, None,
+                                 World.of(targets, live_targets, truth)))
         return self._run(self._session.finish_render(rendering, timeout))
 
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
                     timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: Literal[False] = False,
-                    seed: int | None = None) -> Iterator[Frame]: ...
+                    seed: int | None = None, targets: Iterable[TargetLike] | None = None, live_targets: bool = False,
+                    truth: bool = False) -> Iterator[Frame]: ...
     @overload
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
                     timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: bool,
-                    seed: int | None = None) -> Iterator[Frame | Exception]: ...
+                    seed: int | None = None, targets: Iterable[TargetLike] | None = None, live_targets: bool = False,
+                    truth: bool = False) -> Iterator[Frame | Exception]: ...
 
     def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *,
                     planes: Planes = None, encoding: Encoding = "cf32", compress: Compression | None = None,
                     window: Window | None = None, timeout: float = 60.0, radar: str = "python",
-                    as_live: bool = False, return_exceptions: bool = False, seed: int | None = None) -> Iterator[Any]:
+                    as_live: bool = False, return_exceptions: bool = False, seed: int | None = None,
+                    targets: Iterable[TargetLike] | None = None, live_targets: bool = False,
+                    truth: bool = False) -> Iterator[Any]:
         """Frames of many poses, in their order, as many on their way as the server allows. A pose may also be a pair of
-        pose and settings. return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
+        pose and settings, or three with targets of its own; targets, live_targets, truth: as render(). return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
         from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
         say); None: all have those that their settings name."""
         in_flight = max(1, self.info.limits.max_renders_queued)
         waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]] = collections.deque()
-        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar, as_live))
+        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar, as_live),
+                                 World.of(targets, live_targets, truth))
         more = True
         try:
             while more or waiting:
@@ -309,19 +338,20 @@ class Radar:
 
     def frame(self, timeout: float | None = 30.0, *, rate_hz: float = 10.0, planes: Planes = None,
               encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
-              lossless: bool = False) -> Frame:
+              lossless: bool = False, truth: bool = False) -> Frame:
         """The next live frame; choice as in stream()."""
-        with self.stream(rate_hz, planes, encoding, compress, window, lossless, timeout=timeout) as frames:
+        with self.stream(rate_hz, planes, encoding, compress, window, lossless, timeout=timeout, truth=truth) as frames:
             return frames.__next__()
 
     def stream(self, rate_hz: float = 10.0, planes: Planes = None, encoding: Encoding = "cf32",
                compress: Compression | None = None, window: Window | None = None, lossless: bool = False,
-               reconnect: float = 0.0, copy: bool = True, timeout: float | None = 30.0) -> Stream[Frame]:
+               reconnect: float = 0.0, copy: bool = True, timeout: float | None = 30.0, truth: bool = False) -> Stream[Frame]:
         """Live frames. Where reading is slow, the newest wins and frame.frames_skipped counts the others; lossless: the
         radar waits (needs the role controller). copy=False: arrays are used again by the next frame. reconnect: seconds to
-        try again for after a loss. timeout: for each frame; None: as long as the server lives."""
+        try again for after a loss. timeout: for each frame; None: as long as the server lives. truth: frame.targets says where
+        targets are, for the server's truth role."""
         return Stream(self._server, requests.subscription(self.name, rate_hz, planes, encoding, compress, window, lossless,
-                                                          False, copy), reconnect,
+                                                          False, copy, truth), reconnect,
                       requests.stream_timeout(timeout, rate_hz))
 
     def wedges(self, rate_hz: float = 10.0, planes: Planes = None, encoding: Encoding = "cf32",
@@ -345,40 +375,3 @@ class Radar:
         finally:
             with contextlib.suppress(ObliqError):  # gone with the connection, or taken over by another
                 self._server._run(self._server._session.act(wire.ReleaseControl(radar=self.name, kinds=kinds)))
-
-
-class Control:
-    """A radar that this client controls."""
-
-    def __init__(self, server: Server, name: str):
-        self._server, self.name = server, name
-        self._refused: ObliqError | None = None
-
-    def set_pose(self, pose: requests.PoseLike = None, *, new_time_line: bool = False,
-                 **fields: Unpack[PoseFields]) -> requests.Accepted:
-        """Moves and turns the antenna; what is not given stays. sim_time_ns: by your own clock, for smooth motion.
-        new_time_line: that clock was set, poses before this one are forgotten."""
-        request = requests.pose_request(self.name, pose, fields, new_time_line)
-        return requests.Accepted.of(self._server._run(self._server._session.act(request)))
-
-    def send_pose(self, pose: requests.PoseLike = None, *, new_time_line: bool = False,
-                  on_refused: Callable[[ObliqError], object] | None = None, **fields: Unpack[PoseFields]) -> None:
-        """As set_pose, without waiting for the answer: for a host that moves the antenna in a loop of its own. A refusal goes
-        to on_refused, in whichever later call it arrives; without one the next send_pose raises it."""
-        if self._refused is not None:
-            refused, self._refused = self._refused, None
-            raise refused
-        self._server._connection.tell(requests.pose_request(self.name, pose, fields, new_time_line),
-                                      on_refused or self._keep)
-
-    def _keep(self, refusal: ObliqError) -> None:
-        self._refused = refusal
-
-    def set(self, settings: requests.SettingsLike = None, **fields: Unpack[SettingsFields]) -> requests.Accepted:
-        """Changes settings, all or none; the next frame has them."""
-        request = requests.settings_request(self.name, settings, fields)
-        return requests.Accepted.of(self._server._run(self._server._session.act(request)))
-
-    def set_state(self, transmit: bool | None = None, freeze: bool | None = None) -> None:
-        """transmit=False: no frames. freeze=True: frames keep the pose and settings of this moment."""
-        self._server._run(self._server._session.act(requests.state_request(self.name, transmit, freeze)))

@@ -15,16 +15,19 @@ from ._asked import Subscription
 from .errors import Fault, UnknownRadar
 from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
+from .targets import TargetLike, World
 
 DEFAULT_PORT = 7420
 CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
 
 PoseLike = Union[Pose, PoseFields, Mapping[str, Any], None]
 SettingsLike = Union[Settings, SettingsFields, Mapping[str, Any], None]
-Wished = Union[PoseLike, tuple[PoseLike, SettingsLike]]  # a pose, or a pair of pose and settings
+# A pose, or with settings, or with these and targets.
+Wished = Union[PoseLike, tuple[PoseLike, SettingsLike], tuple[PoseLike, SettingsLike, Iterable[TargetLike]]]
 # planes, encoding, compress, window, radar, as_live
 Choice = tuple[Planes, str, Union[str, None], Union[Window, None], str, bool]
-Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, bool, Union[dict[str, int], None]]
+Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, bool, Union[dict[str, int], None],
+             World]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,7 +45,8 @@ class Tls:
 
 @dataclasses.dataclass(frozen=True)
 class ServerInfo:
-    """What a server said of itself. role: of this client: viewer, controller or admin. limits: the message."""
+    """What a server said of itself. role: of this client: viewer, controller or admin. limits: the message. truth:
+    this client may be told where targets are."""
 
     name: str
     version: str
@@ -51,6 +55,7 @@ class ServerInfo:
     encodings: tuple[str, ...]
     role: str
     limits: wire.Limits
+    truth: bool
 
     def __repr__(self) -> str:
         return (f"ServerInfo(name={self.name!r}, version={self.version!r}, scene={self.scene!r}, radars={self.radars!r}, "
@@ -60,7 +65,7 @@ class ServerInfo:
     def of(welcome: wire.Welcome) -> ServerInfo:
         """From its Welcome."""
         return ServerInfo(welcome.server_name, welcome.server_version, welcome.scene_name, tuple(welcome.radars),
-                          tuple(welcome.encodings), welcome.role, welcome.limits)
+                          tuple(welcome.encodings), welcome.role, welcome.limits, welcome.truth)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -189,22 +194,25 @@ def radar_name(radars: Sequence[str], name: str | None, what: str = "radar") -> 
     return name
 
 
-def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, choice: Choice) -> Iterator[Wish]:
-    """Arguments of render_request() for each pose, or pair of pose and settings."""
+def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, choice: Choice,
+           world: World = World()) -> Iterator[Wish]:
+    """Arguments of render_request() for each pose, or pose with settings and targets of its own."""
     if seed is not None:
         seed = _seeds.checked(seed)
     for place, pose in enumerate(poses):
-        its_pose, its = pose if isinstance(pose, tuple) else (pose, settings)
-        yield its, its_pose, *choice, None if seed is None else _seeds.draw(seed, place)
+        its_pose, its, *own = pose if isinstance(pose, tuple) else (pose, settings)
+        its_world = World.of(own[0], world.live, world.truth) if own else world
+        yield its, its_pose, *choice, None if seed is None else _seeds.draw(seed, place), its_world
 
 
 def render_request(settings: SettingsLike, pose: PoseLike, planes: Planes, encoding: str, compress: str | None,
                    window: Window | None, radar: str, as_live: bool = False,
-                   draw: dict[str, int] | None = None) -> tuple[wire.RenderOnce, tuple[str, ...]]:
+                   draw: dict[str, int] | None = None, world: World = World()) -> tuple[wire.RenderOnce, tuple[str, ...]]:
     """RenderOnce and the planes that it asks for. as_live: what settings and pose do not name is the live radar's. draw:
-    settings that win."""
+    settings that win. world: targets."""
     antenna = Pose.of(pose, "pose")
     request = wire.RenderOnce(radar=radar, as_live=bool(as_live))
+    world.write(request)
     Settings.of(settings, "settings", **(draw or {})).write(request.settings)
     antenna.write(request.pose)
     lacking = [name for name in ("latitude_deg", "longitude_deg", "height_m") if getattr(antenna, name) is None]
@@ -214,15 +222,15 @@ def render_request(settings: SettingsLike, pose: PoseLike, planes: Planes, encod
 
 
 def subscription(radar: str, rate_hz: float, planes: Planes, encoding: str, compress: str | None, window: Window | None,
-                 lossless: bool, by_wedge: bool, copy: bool) -> Subscription:
+                 lossless: bool, by_wedge: bool, copy: bool, truth: bool = False) -> Subscription:
     """What stream() and wedges() ask for."""
-    request = wire.Subscribe(radar=radar, rate_hz=float(number("rate_hz", rate_hz)), lossless=bool(lossless))
+    request = wire.Subscribe(radar=radar, rate_hz=float(number("rate_hz", rate_hz)), lossless=bool(lossless), truth=bool(truth))
     names = write_choice(request, planes, encoding, compress, window)
     return Subscription(request, names, by_wedge, copy)
 
 
 E = TypeVar("E", wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise,
-            wire.GetEvents, wire.AddBookmark)
+            wire.GetEvents, wire.AddBookmark, wire.SetTargets, wire.GetTargets, wire.ClaimControl)
 
 
 def of_1_2(welcome: wire.Welcome, request: E) -> E:

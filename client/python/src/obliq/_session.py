@@ -35,9 +35,9 @@ Command = Generator[Wait, None, T]
 Request = Union[wire.Hello, wire.Heartbeat, wire.ListRadars, wire.GetRadar, wire.GetStatus, wire.QueryGround, wire.ClaimControl,
                 wire.ReleaseControl, wire.SetSettings, wire.SetPose, wire.SetState, wire.Subscribe, wire.Unsubscribe,
                 wire.RenderOnce, wire.SetReplay, wire.ResetExercise, wire.GetExercise, wire.LoadExercise, wire.SetExercise,
-                wire.GetEvents, wire.AddBookmark]
+                wire.GetEvents, wire.AddBookmark, wire.SetTargets, wire.GetTargets]
 A = TypeVar("A", wire.Welcome, wire.RadarList, wire.RadarInfo, wire.Status, wire.Heartbeat, wire.GroundAnswer,
-            wire.ExerciseState, wire.ExerciseEvents, wire.Ack)
+            wire.ExerciseState, wire.ExerciseEvents, wire.TargetList, wire.Ack)
 
 
 class Session:
@@ -127,7 +127,7 @@ class Session:
             self.replay_state = parsed, message.header.utc_ns
         elif kind == 5 and parsed.answer_wanted:
             self._send(wire.Heartbeat(request_id=parsed.request_id))
-        elif kind in (2, 3, 5, 17, 19, 28, 31, 39, 43):
+        elif kind in (2, 3, 5, 17, 19, 28, 31, 36, 39, 43):
             pending = self._pending.get(parsed.request_id)
             if pending and isinstance(parsed, pending.answer):
                 del self._pending[parsed.request_id]
@@ -165,6 +165,9 @@ class Session:
             rows = sink.assembler.block(header, parsed, message.plane)
             if rows is not None:
                 sink.wedge(rows, parsed, header, self.offset_ns)
+            return
+        if header.type == 52:
+            sink.assembler.targets(parsed, message.plane)
             return
         assembler, sink.assembler = sink.assembler, None
         del self._streams[header.stream_id]

@@ -31,7 +31,8 @@ TYPES: dict[int, type[ProtobufMessage]] = {
     30: wire.QueryGround, 31: wire.GroundAnswer, 32: wire.SetReplay, 33: wire.ReplayState,
     37: wire.ResetExercise, 38: wire.GetExercise, 39: wire.ExerciseState, 40: wire.LoadExercise, 41: wire.SetExercise,
     42: wire.GetEvents, 43: wire.ExerciseEvents, 44: wire.AddBookmark,
-    48: wire.FrameBegin, 49: wire.WedgeBlock, 50: wire.FrameEnd, 51: wire.FrameAbort,
+    34: wire.SetTargets, 35: wire.GetTargets, 36: wire.TargetList,
+    48: wire.FrameBegin, 49: wire.WedgeBlock, 50: wire.FrameEnd, 51: wire.FrameAbort, 52: wire.TargetBlock,
 }
 NUMBERS = {kind: number for number, kind in TYPES.items()}
 # RFC 9112, RFC 4253 4.2, RFC 8446 5.1 (records of type alert and handshake), RFC 5321 and RFC 959 (220).

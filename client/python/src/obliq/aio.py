@@ -13,12 +13,13 @@ import os
 from collections.abc import Generator
 from typing import Any
 
-from ._aio_classes import Control, Radar, Server
+from ._aio_classes import Radar, Server
 from ._aio_connection import open_connection
+from ._aio_control import Control, Targets
 from ._aio_streams import Replay, Stream
 from ._requests import Door, Tls
 
-__all__ = ["Control", "Radar", "Replay", "Server", "Stream", "connect"]
+__all__ = ["Control", "Radar", "Replay", "Server", "Stream", "Targets", "connect"]
 
 
 class connect:

@@ -3,12 +3,13 @@ from __future__ import annotations
 
 import os
 
-from ._classes import Control, Radar, Server
+from ._classes import Radar, Server
 from ._connection import Connection
 from ._requests import Door, Tls
+from ._control import Control, Targets
 from ._streams import Replay, Stream
 
-__all__ = ["Control", "Radar", "Replay", "Server", "Stream", "connect"]
+__all__ = ["Control", "Radar", "Replay", "Server", "Stream", "Targets", "connect"]
 
 
 def connect(address: str | int = "127.0.0.1:7420", *, token: str | None = None,

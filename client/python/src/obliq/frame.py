@@ -61,6 +61,11 @@ class Frame:
     height: float32, m above the datum, weighed by power; NaN: no power.  returns: uint8, separate stretches of visible surface
     in the bin: above 1 is layover.
 
+    targets: where truth was asked for, a structured array of obliq.targets.RECORD, a record a target: id, latitude_deg,
+    longitude_deg, height_m (above the datum), bearing_deg, range_m (slant), elevation_deg, closing_m_s, snr_db (in the middle of
+    beam and pulse; with is_power the echo's power, dBW), rcs_dbsm (as drawn), share_seen, azimuth_bin and range_bin (of the
+    whole frame; -1: none), hidden_by (index into obliq.targets.HIDDEN_BY). None: not asked for.
+
     descriptor: the message, wire.FrameDescriptor. summary: the message, wire.FrameSummary, when the frame is complete.
     frames_skipped: that the server left out before this one. utc: of its FrameBegin. scan: the message ScanPass, of an antenna
     that scans. missed: rows that a scanning antenna did not render. id, split, scene, meta: of its line
@@ -76,6 +81,7 @@ class Frame:
     building: npt.NDArray[np.float32] | None = None
     height: npt.NDArray[np.float32] | None = None
     returns: npt.NDArray[np.uint8] | None = None
+    targets: npt.NDArray[Any] | None = None
     id: str | int | None = None
     split: str = ""
     scene: str = ""
