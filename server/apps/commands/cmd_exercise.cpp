@@ -35,22 +35,29 @@ void claim(client::Client& client, const std::string& radar) {
     if (radar.empty() || name == radar) require(client.claim_control(name));
 }
 
+/// " and 3 targets"; nothing where the state says nothing of them.
+std::string targets_of(const wire::ExerciseState& state) {
+  return state.with_targets() ? " and " + std::to_string(state.targets_size()) + " targets" : "";
+}
+
 void save(const ExerciseArguments& arguments) {
   client::Client client = connect(arguments);
   wire::ExerciseState state;
   require(client.get_exercise(state));
   write_text(arguments.file, state_text(state));
-  std::printf("%s: %d radars of %s\n", arguments.file.c_str(), state.radars_size(),
-              state.scene_name().c_str());
+  std::printf("%s: %d radars%s of %s\n", arguments.file.c_str(), state.radars_size(),
+              targets_of(state).c_str(), state.scene_name().c_str());
 }
 
 void load(const ExerciseArguments& arguments) {
   const wire::ExerciseState state = read_state_file(arguments.file);
   client::Client client = connect(arguments);
   claim(client, "");
+  if (state.with_targets() && client.welcome().role() != "admin") require(client.claim_targets());
   const client::Status status = client.load_exercise(state);
   if (!status.ok()) throw InputError(arguments.file + ": " + status.sentence());
-  std::printf("%s: %d radars are as they were\n", arguments.file.c_str(), state.radars_size());
+  std::printf("%s: %d radars%s are as they were\n", arguments.file.c_str(), state.radars_size(),
+              targets_of(state).c_str());
 }
 
 void reset(const ExerciseArguments& arguments) {

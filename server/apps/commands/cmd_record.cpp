@@ -37,6 +37,7 @@ struct RecordArguments {
   StreamArguments stream;
   bool all = false;
   bool lossless = false;
+  bool truth = false;
   bool force = false;
   int reconnect_s = 0;
 };
@@ -180,6 +181,7 @@ void run(const RecordArguments& arguments) {
     request.set_radar(radar);
     request.set_rate_hz(arguments.rate_hz);
     request.set_lossless(arguments.lossless);
+    request.set_truth(arguments.truth);
     ask_for(arguments.stream, request);
     require(client.subscribe(request));
     names += (names.empty() ? "" : ", ") + radar;
@@ -221,6 +223,8 @@ void add_record(CLI::App& app) {
       ->excludes("--radar");
   command->add_flag("--lossless", arguments->lossless,
                     "Leave no frame out: the radar waits for the disk. Needs the role controller");
+  command->add_flag("--truth", arguments->truth,
+                    "Keep where targets are, too (`obliq replay --targets`). Needs the server's truth role");
   add_reconnect_argument(*command, arguments->reconnect_s);
   command->add_flag("--force", arguments->force, "Overwrite a file that exists");
   command->callback([arguments] { run(*arguments); });

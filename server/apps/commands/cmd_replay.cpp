@@ -18,6 +18,7 @@
 #include "server/apps/commands/frame_report.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/commands/replay_server.h"
+#include "server/apps/commands/replay_targets.h"
 #include "server/apps/commands/replay_track.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
@@ -39,6 +40,7 @@ struct ReplayArguments {
   std::uint64_t frames = 0;
   bool loop = false;
   std::string track;
+  std::string targets;
   bool events = false;
   bool json = false;
   bool hold = false;
@@ -167,6 +169,7 @@ void run(const ReplayArguments& arguments) {
   if (arguments.events) return print_recorded_events(arguments.file, arguments.json);
   client::RecordingStart start = start_of(arguments);
   if (!arguments.track.empty()) return write_track(arguments.file, start.radar, arguments.track);
+  if (!arguments.targets.empty()) return write_targets(arguments.file, start, arguments.targets);
   if (start.planes == 0) warn("none of its frames has values");
   if (arguments.serve) {
     const ReplayOptions options{speed, arguments.loop, arguments.hold, arguments.keep_bookmarks, {}};
@@ -213,19 +216,28 @@ void add_replay(CLI::App& app) {
               "Write where the antenna was, for `obliq fly`, and nothing else; -: to the standard output")
           ->type_name("FILE.csv")
           ->excludes(out);
+  CLI::Option* targets =
+      command
+          ->add_option("--targets", arguments->targets,
+                       "Write where targets were in each frame, of a recording with --truth, and nothing else; -: "
+                       "to the standard output")
+          ->type_name("FILE.csv")
+          ->excludes(out)
+          ->excludes(track);
   CLI::Option* events =
       command
           ->add_flag("--events", arguments->events,
                      "Print the log of the exercise, who changed what and when, and nothing else")
           ->excludes(out)
-          ->excludes(track);
+          ->excludes(track)
+          ->excludes(targets);
   command->add_flag("--json", arguments->json, "With --events: each as a line of JSON")->needs(events);
   add_picture_arguments(*command, arguments->picture);
   command->add_flag("--loop", arguments->loop, "Begin again at the end");
   CLI::Option* serve = command->add_flag(
       "--serve", arguments->serve,
       "Serve the frames as obliqd would, from the first subscription on; ends with the recording");
-  serve->excludes(frames)->excludes(out)->excludes(track)->excludes(events);
+  serve->excludes(frames)->excludes(out)->excludes(track)->excludes(targets)->excludes(events);
   command
       ->add_flag("--hold", arguments->hold,
                  "With --serve: stand still at the end, so that clients can seek back, instead of ending")

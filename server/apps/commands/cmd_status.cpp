@@ -47,6 +47,15 @@ void print_server(const client::Client& client, const wire::Status& status) {
               client.welcome().scene_name().c_str(), status.uptime_s(), status.clients(),
               status.clients() == 1 ? "" : "s", static_cast<double>(status.bytes_sent()) * 1e-6,
               status.frames_dropped(), status.renders_queued());
+  if (status.targets() > 0 || !status.targets_controller().empty()) {
+    std::printf("targets: %u of at most %u, %s%s", status.targets(), status.max_targets(),
+                status.targets_controller().empty() ? "not claimed" : "held by ",
+                status.targets_controller().c_str());
+    if (status.targets_expired() > 0)
+      std::printf(", %" PRIu64 " went when their validity was over", status.targets_expired());
+    if (status.targets_late() > 0) std::printf(", %" PRIu64 " updates came late", status.targets_late());
+    std::printf("\n");
+  }
   if (status.windows_loaded() == 0 && status.window_failures() == 0 && !status.window_loading()) return;
   std::printf("terrain: %" PRIu64 " loaded since the start, %" PRIu64 " could not be%s",
               status.windows_loaded(), status.window_failures(),

@@ -30,6 +30,7 @@ void add_fly(CLI::App& app);         ///< along a track
 void add_set(CLI::App& app);         ///< the settings of a live radar
 void add_exercise(CLI::App& app);    ///< the state of all its radars: save, load, reset, freeze
 void add_bookmark(CLI::App& app);    ///< a text at a moment of it, and its log
+void add_targets(CLI::App& app);     ///< vehicles, ships and aircraft of its world
 void add_status(CLI::App& app);      ///< what a server is doing
 void add_query(CLI::App& app);       ///< what is at places of the ground, and whether a radar sees it
 void add_cat240(CLI::App& app);      ///< a radar's video for displays

@@ -61,6 +61,12 @@ std::string claims_text(const wire::ExerciseEvent& event) {
   return claims == 0 ? "what this version does not know" : wire::claim_names(claims);
 }
 
+std::string targets_text(const wire::ExerciseEvent& event) {
+  const std::string come = event.targets_come() > 0 ? "adds " + counted(event.targets_come(), "target") : "";
+  const std::string gone = event.targets_gone() > 0 ? "removes " + counted(event.targets_gone(), "target") : "";
+  return come + (come.empty() || gone.empty() ? "" : ", ") + gone;
+}
+
 std::string switches_text(const wire::ExerciseEvent& event) {
   std::vector<std::string> words;
   if (event.has_transmit()) words.push_back(event.transmit() ? "transmit on" : "transmit off");
@@ -111,6 +117,8 @@ std::string event_words(const wire::ExerciseEvent& event) {
     case wire::BOOKMARK_EVENT:
       return "bookmark: " +
              (wire::bookmark_fault(event.text()) ? printable_text(event.text(), kNameBytes) : event.text());
+    case wire::TARGETS_EVENT:
+      return targets_text(event);
     default:
       return fmt::format("does what this version does not know (event kind {})",
                          static_cast<int>(event.kind()));

@@ -1,9 +1,11 @@
 #include "server/apps/commands/state_file.h"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/target_fields.h"
 #include "server/control/config_tree.h"
 #include "server/control/parameters.h"
 #include "server/control/section_reader.h"
@@ -115,6 +117,8 @@ std::string state_text(const wire::ExerciseState& state) {
           line("scene_hash", state.scene_hash()) + line("build", state.build()) + line("saved", utc_now()) +
           line("radars", std::int64_t{state.radars_size()}) +
           line("platforms", std::int64_t{state.platforms_size()});
+  // Without the line the state says nothing of targets: who saved it may not know where they are.
+  if (state.with_targets()) text += line("targets", std::int64_t{state.targets_size()});
   for (const wire::PlatformState& platform : state.platforms()) {
     RadarConfig holder;
     if (const auto errors = merge_message(platform.pose(), holder.pose); !errors.empty())
@@ -134,6 +138,7 @@ std::string state_text(const wire::ExerciseState& state) {
     for (const Parameter& parameter : parameters())
       text += line(parameter.key.name, value_of(parameter, config));
   }
+  for (const wire::Target& target : state.targets()) text += "\n[[target]]\n" + target_text(target);
   return text + "\n[end]\ncomplete = true\n";
 }
 
@@ -145,6 +150,7 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
   std::int64_t version = 0;
   std::int64_t radars = -1;
   std::int64_t platforms = 0;  // files of before there were any do not say
+  std::int64_t targets = -1;
   std::string scene, hash, build, saved;
   const auto read_head = [&](const ConfigNode& table) {
     SectionReader head(table, "exercise", complaints);
@@ -158,6 +164,7 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
     demand(head.read("radars", Key{"exercise.radars", "", closed(0, 1000)}, &radars), table,
            "exercise.radars", complaints);
     (void)head.read("platforms", Key{"exercise.platforms", "", closed(0, 1000)}, &platforms);
+    (void)head.read("targets", Key{"exercise.targets", "", closed(0, 10000)}, &targets);
     head.finish();
   };
   top.one_table("exercise", read_head);
@@ -166,6 +173,8 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
                      ": exercise.version: found nothing; allowed: a file that `obliq save` has written");
   top.each_table("platform", [&](const ConfigNode& table) { read_platform(table, state, complaints); });
   top.each_table("radar", [&](const ConfigNode& table) { read_radar(table, state, complaints); });
+  top.each_table("target",
+                 [&](const ConfigNode& table) { read_target(table, *state.add_targets(), complaints); });
   bool complete = false;
   top.one_table("end", [&](const ConfigNode& table) {
     SectionReader end(table, "end", complaints);
@@ -180,6 +189,8 @@ wire::ExerciseState read_state_file(const std::filesystem::path& path) {
   };
   compare("radar", state.radars_size(), radars);
   compare("platform", state.platforms_size(), platforms);
+  compare("target", state.targets_size(), std::max<std::int64_t>(targets, 0));
+  state.set_with_targets(targets >= 0);
   if (!complete && complaints.empty())
     complaints.add(path.string(),
                    FieldError{"end.complete", "nothing", "true, at the end; the file has been cut"});
