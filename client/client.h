@@ -95,8 +95,8 @@ class Client {
   /// This client alone may set them. force: also from another client, for an admin.
   Status claim_targets(bool force = false);
   Status release_targets();
-  /// All of it or nothing; what one message does not hold goes in several, and still at once. warnings: of what
-  /// was left out.
+  /// All of it or nothing; what one message does not hold goes in several, and still at once. warnings: of
+  /// what was left out.
   Status set_targets(const wire::SetTargets& change, std::vector<std::string>& warnings);
   /// All there are, with what else a TargetList says. Needs the server's truth role.
   Status get_targets(wire::TargetList& list);

@@ -1,11 +1,12 @@
+// What a client asks about the targets of the world.
 #include <algorithm>
 #include <utility>
 
 #include "client/client.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
-
-#include "client/client_state.h"  // of complete messages
+// After the messages:
+#include "client/client_state.h"
 
 namespace obliq::client {
 
@@ -37,7 +38,8 @@ Status Client::set_targets(const wire::SetTargets& change, std::vector<std::stri
     wire::SetTargets page;
     page.set_clear(change.clear() && std::exchange(is_first, false));
     std::size_t bytes = 0;
-    for (; gone < change.gone_size() && bytes < kPageBytes; ++gone, bytes += 10) page.add_gone(change.gone(gone));
+    for (; gone < change.gone_size() && bytes < kPageBytes; ++gone, bytes += 10)
+      page.add_gone(change.gone(gone));
     for (; target < change.targets_size() && bytes < kPageBytes; ++target) {
       *page.add_targets() = change.targets(target);
       bytes += change.targets(target).ByteSizeLong();

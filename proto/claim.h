@@ -8,7 +8,7 @@ namespace obliq::wire {
 
 /// The numbers are those of the protobuf enumeration ClaimKind.
 enum class Claim : std::uint8_t {
-  pose = 0,     ///< where the antenna's platform is and how it lies
+  pose = 0,      ///< where the antenna's platform is and how it lies
   settings = 1,  ///< the operator's knobs, and where the antenna looks from its platform
   targets = 2    ///< of the world, not of a radar
 };
@@ -22,7 +22,8 @@ constexpr ClaimSet claim_bit(Claim claim) {
 constexpr ClaimSet kPoseClaim = claim_bit(Claim::pose);
 constexpr ClaimSet kSettingsClaim = claim_bit(Claim::settings);
 constexpr ClaimSet kTargetsClaim = claim_bit(Claim::targets);
-constexpr ClaimSet kEveryClaim = (1u << kClaims) - 1;
+constexpr ClaimSet kEveryClaim = kPoseClaim | kSettingsClaim;  ///< of a radar
+constexpr ClaimSet kAllClaims = (1u << kClaims) - 1;
 /// Of a client that names none: what version 1.1 knew.
 constexpr ClaimSet kUnnamedClaims = kPoseClaim | kSettingsClaim;
 

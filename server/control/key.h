@@ -29,9 +29,7 @@ enum class ScatteringModel;
 enum class RayMethod : std::uint8_t;
 enum class LogFormat;
 enum class LogLevel;
-namespace net {
-enum class Role : std::uint8_t;
-}
+enum class TruthRole;
 
 /// A value between its source and its place. Enumerations go by name.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string, std::vector<double>>;
@@ -41,7 +39,7 @@ using Slot =
     std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*, std::string*,
                  std::vector<double>*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*,
                  BeamPattern*, ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*, SyntheticKind*,
-                 ScatteringModel*, RayMethod*, LogFormat*, LogLevel*, net::Role*>;
+                 ScatteringModel*, RayMethod*, LogFormat*, LogLevel*, TruthRole*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

@@ -24,8 +24,7 @@ Value choice_value(const Key& key, const FieldDescriptor& field, int number) {
   return std::int64_t{number};
 }
 
-void write_choice(const Key& key, const FieldDescriptor& field, const std::string& name,
-                  Message& message) {
+void write_choice(const Key& key, const FieldDescriptor& field, const std::string& name, Message& message) {
   for (const Choice& choice : key.choices)
     if (choice.name == name)
       message.GetReflection()->SetEnum(&message, &field,
@@ -66,8 +65,7 @@ Value read_field(const Key& key, const FieldDescriptor& field, const Message& me
   }
 }
 
-void write_field(const Key& key, const FieldDescriptor& field, const Value& value,
-                 Message& message) {
+void write_field(const Key& key, const FieldDescriptor& field, const Value& value, Message& message) {
   const auto* reflection = message.GetReflection();
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE:

@@ -9,7 +9,9 @@
 
 #include "server/explain/measurement.h"
 #include "server/explain/row.h"
+#include "server/radar/frame_plan.h"
 #include "server/radar/receiver/weather.h"
+#include "server/radar/targets/target.h"
 #include "server/scene/ray_method.h"
 #include "terrain/base/parallel.h"
 #include "terrain/dem/source_error.h"
@@ -93,7 +95,7 @@ struct Explanation {
   SpeckleMeasure ground_speckle;
   SpeckleMeasure geometric_speckle;
   std::vector<Comparison> comparisons;
-  std::vector<Row> radar;  ///< what is between echoes and display
+  std::vector<ReportRow> radar;  ///< what is between echoes and display
 };
 
 /// For a terminal of 100 columns.
@@ -105,11 +107,14 @@ std::string csv_report(const Explanation& explanation);
 // Tables of sentences: a row more is one more line there, with the values that it names.
 
 /// What the scene is and how it was measured.
-std::vector<Row> scene_rows(const Explanation& explanation);
+std::vector<ReportRow> scene_rows(const Explanation& explanation);
 /// What each part of the radar does in this scene's bins, by closed forms and the bins' measured power.
 /// `power_of` gives the bins of the wedges for other settings of the radar.
-std::vector<Row> radar_rows(const RadarSettings& settings, const AirView& air,
-                            const std::function<std::vector<double>(const RadarSettings&)>& power_of);
+std::vector<ReportRow> radar_rows(const RadarSettings& settings, const AirView& air,
+                                  const std::function<std::vector<double>(const RadarSettings&)>& power_of);
+/// The first of the scene's targets, by the radar equation. names: in their order.
+std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, const TargetSet& targets,
+                                   const std::vector<std::string>& names);
 /// From where on the ingredient matters: a closed form with this scene's own numbers.
 std::string threshold_text(const Comparison& comparison, const Explanation& explanation);
 
@@ -134,7 +139,9 @@ struct ExplainInput {
   PoseSettings pose;
   int threads = 0;  ///< 0: all cores
   RayMethod rays = RayMethod::march;
-  std::function<void(const World&)> on_loaded;  ///< told of the scene as it is, before anything is changed
+  TargetsPtr targets = nullptr;  ///< null: none
+  std::vector<std::string> target_names{};
+  std::function<void(const World&)> on_loaded{};  ///< told of the scene as it is, before anything is changed
 };
 
 /// Renders some wedges of the scene as it is and with one ingredient after the other changed, one changed

@@ -97,8 +97,8 @@ double detectable_snr_db(int looks) {
 
 }  // namespace
 
-std::vector<Row> radar_rows(const RadarSettings& s, const AirView& air,
-                            const std::function<std::vector<double>(const RadarSettings&)>& power_of) {
+std::vector<ReportRow> radar_rows(const RadarSettings& s, const AirView& air,
+                                  const std::function<std::vector<double>(const RadarSettings&)>& power_of) {
   RadarSettings plain = s;  // mean echoes of 1 W and 0 dB
   plain.receiver = {};
   plain.atmosphere = {};
@@ -107,7 +107,7 @@ std::vector<Row> radar_rows(const RadarSettings& s, const AirView& air,
   plain.power_w = 1;
   plain.gain_db = 0;
   const std::vector<double> own_w = power_of(plain);
-  std::vector<Row> rows;
+  std::vector<ReportRow> rows;
   for (const Part& part : kParts) {
     RadarSettings without = plain;
     if (!part.take_out(without)) continue;
@@ -166,7 +166,7 @@ std::vector<Row> radar_rows(const RadarSettings& s, const AirView& air,
       "rain_to_echo"_is = thirds_text(rain_to_echo_db), "gas"_is = s.atmosphere.gas ? "on" : "off",
       "gas_db"_is = gas_db, "floor_db"_is = video_floor_db(s), "span_db"_is = s.video.span_db,
       "contrast"_is = 1 / std::sqrt(s.video.looks));
-  for (Row& row : rows_of(
+  for (ReportRow& row : rows_of(
            measured,
            {{"noise", true,
              "{noise}: {noise_db:.1f} dBW = k T_s B, T_s {system_k:.0f} K, B {band_mhz:3} MHz. Clutter to "

@@ -176,7 +176,7 @@ std::string report(const Explanation& all, bool markdown) {
     if (c.reason.empty()) costs.push_back(line_of(c));
   }
   if (markdown) text += "# What " + all.facts.scene + " needs\n\n";
-  for (const Row& row : scene_rows(all)) paragraph(row.text);
+  for (const ReportRow& row : scene_rows(all)) paragraph(row.text);
   heading("WHAT EACH CHANGE DOES: |10 log10| of the power ratio in lit bins; greatest shift of ground points",
           "What each change does\n\nMedian, 95 %: |10 log10| of the power ratio in lit bins. Slant, height: "
           "greatest shift of a ground point.");
@@ -199,7 +199,7 @@ std::string report(const Explanation& all, bool markdown) {
   for (const Comparison& c : all.comparisons)
     item(markdown ? c.name + " (" + c.change + ")" : c.name, c.threshold);
   heading("BETWEEN ECHOES AND DISPLAY", "Between echoes and display");
-  for (const Row& row : all.radar) item(row.name, row.text);
+  for (const ReportRow& row : all.radar) item(row.name, row.text);
   heading("VERDICT", "Verdict");
   if (!all.unsampled.empty()) item("sampling", all.unsampled + ".");
   for (const Comparison& c : all.comparisons) item(c.name, c.advice);

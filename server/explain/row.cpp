@@ -37,10 +37,10 @@ std::string number_text(double value, const std::string& format) {
   return (format.starts_with('+') ? "+" : "") + text.substr(1);
 }
 
-std::vector<Row> rows_of(const Values& values, std::initializer_list<Clause> table) {
+std::vector<ReportRow> rows_of(const Values& values, std::initializer_list<Clause> table) {
   fmt::dynamic_format_arg_store<fmt::format_context> arguments;
   for (const NamedValue& named : values) arguments.push_back(fmt::arg(named.name, named));
-  std::vector<Row> rows;
+  std::vector<ReportRow> rows;
   for (const auto& [row, said, text] : table) {
     const std::string filled = fmt::vformat(text, arguments);
     if (!said) continue;
@@ -52,7 +52,7 @@ std::vector<Row> rows_of(const Values& values, std::initializer_list<Clause> tab
 
 std::string text_of(const Values& values, std::initializer_list<Clause> table) {
   std::string text;
-  for (const Row& row : rows_of(values, table)) text += row.text;
+  for (const ReportRow& row : rows_of(values, table)) text += row.text;
   return text;
 }
 

@@ -45,13 +45,13 @@ struct Clause {
 };
 
 /// "noise", and what there is to say about it.
-struct Row {
+struct ReportRow {
   std::string name, text;
 };
 
 /// The rows of which anything is said, in the table's order. Throws fmt::format_error when any clause, said
 /// or not, has a name that there is not.
-std::vector<Row> rows_of(const Values& values, std::initializer_list<Clause> table);
+std::vector<ReportRow> rows_of(const Values& values, std::initializer_list<Clause> table);
 /// What a table of one row says.
 std::string text_of(const Values& values, std::initializer_list<Clause> table);
 

@@ -11,7 +11,7 @@
 
 namespace obliq {
 
-std::vector<Row> scene_rows(const Explanation& all) {
+std::vector<ReportRow> scene_rows(const Explanation& all) {
   constexpr double kBinsABeamwidth = 2;
   constexpr double kRounding = 1e-9;
   const SceneFacts& f = all.facts;

@@ -11,7 +11,7 @@ using wire::for_each_claim;
 
 ClaimSet Claims::of(const Peer& peer) const {
   ClaimSet held = 0;
-  for_each_claim(wire::kEveryClaim, [&](Claim claim) {
+  for_each_claim(wire::kAllClaims, [&](Claim claim) {
     if (holder(claim) == &peer) held |= claim_bit(claim);
   });
   return held;

@@ -12,6 +12,7 @@
 #include "server/flight/window.h"
 #include "server/ground_query/ground_query.h"
 #include "server/rendering/rendered.h"
+#include "server/security/token_file.h"
 
 namespace obliq::net {
 
@@ -28,8 +29,8 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::string server_version;
   std::string scene_name;
 
-  std::shared_ptr<Security> security;  ///< null: no TLS, no tokens, every client is admin
-  Role truth_role = ServerConfig{}.truth_role;  ///< of those who may have targets' places
+  std::shared_ptr<Security> security;                ///< null: no TLS, no tokens, every client is admin
+  TruthRole truth_role = ServerConfig{}.truth_role;  ///< of those who may have targets' places
 
   std::uint32_t max_hello_bytes = wire::kMaxHelloBytes;  ///< of any message before Hello is answered
   std::uint32_t max_descriptor_bytes = wire::kMaxDescriptorBytes;  ///< of a request's protobuf part
@@ -44,11 +45,11 @@ struct ServerOptions : ServerLimits, StreamConfig {
   double dead_after_s = ServerConfig{}.dead_after_s;  ///< see watch_for_dead_peer
   double stop_grace_s = 0.5;                          ///< for the last message to each client when stopping
 
-  int render_threads = 0;  ///< 0: all cores
+  int render_threads = 0;                ///< 0: all cores
   std::vector<TargetType> target_types;  ///< of the scene
   std::vector<TargetConfig> targets;     ///< of the world, at first
   std::int64_t target_seed = 1;          ///< of their fluctuation
-  int materials = 255;     ///< of the scene, at most
+  int materials = 255;                   ///< of the scene, at most
   /// Told where all radars are, in their order, whenever one has moved or looks further. On the io thread;
   /// must be quick.
   std::function<void(std::vector<RadarPlace>)> on_moved;
@@ -62,6 +63,9 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::function<void(const std::string&, const RenderedFrame&)> on_frame;
   std::function<void(const RenderedOnce&)> on_once_frame;  ///< the same of RenderOnce frames
 };
+
+/// Who may have the places of targets.
+inline Role truth_role(const ServerOptions& options) { return static_cast<Role>(options.truth_role); }
 
 // What the network side counts, for status and metrics.
 

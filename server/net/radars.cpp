@@ -73,7 +73,7 @@ void Radars::watch_as_the_role_allows(LiveRadar& radar, Peer& peer) {
   if (at == radar.watchers.end()) return;
   Demand demand = at->demand;
   demand.lossless &= peer.role >= Role::controller;
-  demand.choice.truth &= peer.role >= options_.truth_role;
+  demand.choice.truth &= peer.role >= truth_role(options_);
   if (demand.lossless == at->demand.lossless && demand.choice.truth == at->demand.choice.truth) return;
   const std::string lost = demand.lossless == at->demand.lossless ? "is no longer told where targets are"
                                                                   : "no longer watches without losses";

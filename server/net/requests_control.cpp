@@ -100,10 +100,10 @@ bool Requests::demand(Role needed, const std::string& action) {
   return false;
 }
 
-bool Requests::may_have_truth() const { return peer_.role >= room_.options().truth_role; }
+bool Requests::may_have_truth() const { return peer_.role >= truth_role(room_.options()); }
 
 bool Requests::demand_truth() {
-  return demand(room_.options().truth_role, "being told where targets are (server.truth_role)");
+  return demand(truth_role(room_.options()), "being told where targets are (server.truth_role)");
 }
 
 LiveRadar* Requests::claimed_radar(const std::string& name) {

@@ -104,7 +104,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   // Truth of the request's own targets tells nothing that the client does not know.
   if (request.truth() && request.live_targets() && !demand_truth()) return;
   std::vector<Target> targets;
-  append(errors, room_.targets().read(request.targets(), targets));
+  append(errors, room_.targets().read(request, targets));
   append(errors, merge_request(request.settings(), settings));
   append(errors, merge_message(request.pose(), pose));
   append(errors, validate(settings));

@@ -29,9 +29,16 @@ constexpr std::size_t kMostPointsInAll = 100'000;
 constexpr std::size_t kMostErrors = 20;
 constexpr double kLongest_s = 1e8;
 
-FieldError in_target(int index, FieldError error) {
+FieldError in_target(std::size_t index, FieldError error) {
   error.field = "targets[" + std::to_string(index) + "]." + error.field;
   return error;
+}
+
+template <typename Message>
+std::vector<const wire::Target*> all_of(const Message& message) {
+  std::vector<const wire::Target*> all;
+  for (const wire::Target& target : message.targets()) all.push_back(&target);
+  return all;
 }
 
 std::int64_t before(std::int64_t now_ns, double age_s) {
@@ -58,8 +65,8 @@ void TargetWorld::claim(Peer& by) {
     staged_ = nullptr;
     log_.taken_over(nullptr, wire::kTargetsClaim, holder->name, by.name);
     log_as_guest(*holder);
-    holder->send(wire::MessageType::error, make_error(0, wire::ErrorNumber::controlled_by_other,
-                                                      "targets: taken over by " + by.name));
+    holder->send(wire::MessageType::error,
+                 make_error(0, wire::ErrorNumber::controlled_by_other, "targets: taken over by " + by.name));
     spdlog::warn("targets: {} takes them from {}; give it a token of another role if it should not", by.name,
                  holder->name);
   } else {
@@ -82,7 +89,8 @@ void TargetWorld::forget(const Peer& peer) { release(peer, ", " + peer.name + " 
 
 void TargetWorld::check_role(Peer& peer) {
   if (peer.role >= Role::controller) return;
-  if (!release(peer, ", the role of " + peer.name + " is " + std::string(role_name(peer.role)) + " now")) return;
+  if (!release(peer, ", the role of " + peer.name + " is " + std::string(role_name(peer.role)) + " now"))
+    return;
   peer.send(wire::MessageType::error,
             make_error(0, wire::ErrorNumber::role_too_low,
                        "setting targets needs the role controller; this client's token gives " +
@@ -95,9 +103,8 @@ Target TargetWorld::begin_anew(const wire::Target& message, const Target& was, b
   Target is = was;
   // Where it has come meanwhile, as far as the message does not say; a new route begins where it stands.
   if (!is_new) {
-    const double since_s = is_timed && was.is_timed
-                               ? seconds_between(was.sim_time_ns, message.sim_time_ns())
-                               : seconds_between(was.arrived_ns, arrived_ns);
+    const double since_s = is_timed && was.is_timed ? seconds_between(was.sim_time_ns, message.sim_time_ns())
+                                                    : seconds_between(was.arrived_ns, arrived_ns);
     if (const auto there = brought_to(was, since_s)) is = *there;
   }
   is.is_timed = is_timed;
@@ -141,8 +148,8 @@ std::vector<FieldError> TargetWorld::merge(const wire::Target& message, const Ta
 
 std::vector<FieldError> TargetWorld::read(const Messages& messages, const All& all, Change& change) const {
   std::vector<FieldError> errors;
-  for (int k = 0; k < messages.size() && errors.size() < kMostErrors; ++k) {
-    const wire::Target& message = messages.Get(k);
+  for (std::size_t k = 0; k < messages.size() && errors.size() < kMostErrors; ++k) {
+    const wire::Target& message = *messages[k];
     const std::uint64_t id = message.id();
     if (change.set.contains(id)) {
       errors.push_back(in_target(k, {"id", std::to_string(id) + " again", "each id once in a request"}));
@@ -167,7 +174,8 @@ TargetWorld::Outcome TargetWorld::set(const wire::SetTargets& request, const std
   staged_->MergeFrom(request);
   if (staged_->ByteSizeLong() > kMostStagedBytes) {
     staged_ = nullptr;
-    return {{{"more", "over " + std::to_string(kMostStagedBytes >> 20) + " MiB in one request of several messages",
+    return {{{"more",
+              "over " + std::to_string(kMostStagedBytes >> 20) + " MiB in one request of several messages",
               "less; all of it is forgotten"}},
             true,
             {}};
@@ -205,7 +213,7 @@ TargetWorld::Outcome TargetWorld::commit(const wire::SetTargets& request, const 
       outcome.errors.push_back({"gone[" + std::to_string(k) + "]", std::to_string(request.gone(k)) + " again",
                                 "each id once in a request"});
   static const All kNone;
-  append(outcome.errors, read(request.targets(), request.clear() ? kNone : all_, change));
+  append(outcome.errors, read(all_of(request), request.clear() ? kNone : all_, change));
   if (!outcome.errors.empty()) return outcome;
   outcome.errors = too_much(request, change);
   outcome.too_many = !outcome.errors.empty();
@@ -229,11 +237,17 @@ TargetWorld::Outcome TargetWorld::commit(const wire::SetTargets& request, const 
   return outcome;
 }
 
-std::vector<FieldError> TargetWorld::read(const Messages& messages, std::vector<Target>& targets) const {
-  if (messages.size() > options_.max_targets)
-    return {{"targets", std::to_string(messages.size()), "at most " + std::to_string(options_.max_targets)}};
+std::vector<FieldError> TargetWorld::read_anew(const Messages& messages, Change& change) const {
+  const auto most = static_cast<std::size_t>(options_.max_targets);
+  if (messages.size() > most)
+    return {{"targets", std::to_string(messages.size()), "at most " + std::to_string(most)}};
+  return read(messages, {}, change);
+}
+
+std::vector<FieldError> TargetWorld::read(const wire::RenderOnce& request,
+                                          std::vector<Target>& targets) const {
   Change change;
-  std::vector<FieldError> errors = read(messages, {}, change);
+  std::vector<FieldError> errors = read_anew(all_of(request), change);
   for (auto& [id, target] : change.set) targets.push_back(std::move(target.target));
   return errors;
 }
@@ -327,14 +341,14 @@ void TargetWorld::write(wire::ExerciseState& state) const {
 
 std::vector<FieldError> TargetWorld::faults(const wire::ExerciseState& state) const {
   if (!state.with_targets()) return {};
-  std::vector<Target> none;
-  return read(state.targets(), none);
+  Change none;
+  return read_anew(all_of(state), none);
 }
 
 void TargetWorld::take(const wire::ExerciseState& state) {
   if (!state.with_targets()) return;
   Change change;
-  (void)read(state.targets(), {}, change);
+  (void)read_anew(all_of(state), change);
   all_ = std::move(change.set);
   changed();
 }

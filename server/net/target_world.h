@@ -1,7 +1,5 @@
 #pragma once
 // The targets of the world, which all radars see: who may set them, what they are, when they go.
-#include <google/protobuf/repeated_field.h>
-
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -18,6 +16,7 @@
 
 namespace obliq::wire {
 class ExerciseState;
+class RenderOnce;
 class SetTargets;
 class Target;
 class TargetList;
@@ -57,9 +56,8 @@ class TargetWorld {
 
   /// What stands in a RenderOnce: its own targets, and with `live` those of the world. Null: none.
   TargetsPtr of_one_frame(const std::vector<Target>& own, bool live);
-  using Messages = google::protobuf::RepeatedPtrField<wire::Target>;
-  /// Reads the targets of a RenderOnce, rising by id.
-  std::vector<FieldError> read(const Messages& messages, std::vector<Target>& targets) const;
+  /// Reads those of its own, rising by id.
+  std::vector<FieldError> read(const wire::RenderOnce& request, std::vector<Target>& targets) const;
 
   /// A page of them, behind an id; as many as one message takes.
   void write(std::uint64_t after, wire::TargetList& list) const;
@@ -88,8 +86,11 @@ class TargetWorld {
     std::uint64_t late = 0;  ///< left out
   };
 
+  using Messages = std::vector<const wire::Target*>;
   /// Reads a request's targets; `all`: those that it is a change of.
   std::vector<FieldError> read(const Messages& messages, const All& all, Change& change) const;
+  /// The same of a world that has none.
+  std::vector<FieldError> read_anew(const Messages& messages, Change& change) const;
   /// One target, from what it was to what it is to be; null: it is new.
   std::vector<FieldError> merge(const wire::Target& message, const TargetConfig* was, TargetConfig& is) const;
   /// The times of a target that moves on from now as the message says.

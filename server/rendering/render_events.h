@@ -54,7 +54,7 @@ struct OnceRequest {
   LiveView view;
   StreamChoice choice;
   FrameCost cost;
-  TargetsPtr targets;  ///< in its world; null: none
+  TargetsPtr targets;                                                  ///< in its world; null: none
   std::stop_source stop;                                               ///< requested when its client has gone
   ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };

@@ -80,7 +80,8 @@ void run(const std::string& scene_file, const LoadOptions& options) {
   for (const int n : {100, 10000}) {
     const TargetSet set = targets_in(plan, n);
     std::optional<TargetEchoes> echoes;
-    const double see_ms = least_ms([&] { echoes.emplace(plan, air, set, all, TargetLook{.at = {}, .frame = 1}); });
+    const double see_ms =
+        least_ms([&] { echoes.emplace(plan, air, set, all, TargetLook{.at = {}, .frame = 1}); });
     const double add_ms = least_ms([&] {
       for (BinBlock& bins : wedges) echoes->add(bins, true);
     });

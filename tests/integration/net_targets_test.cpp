@@ -1,17 +1,12 @@
-// Targets by message: who may set them, what is refused, what frames and their truth show, when they go.
-#include <gtest/gtest.h>
-#include <sys/stat.h>
-
-#include <chrono>
+// Targets by message: who may set them, what is refused, what frames and their truth show.
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
 #include <thread>
 
 #include "proto/obliq.pb.h"
-#include "server/rendering/scene_renderer.h"
-#include "server/security/security.h"
-#include "tests/integration/daemon.h"
-#include "tests/integration/net_fixture.h"
-#include "tests/support/target_scenes.h"
+#include "tests/integration/net_targets_fixture.h"
 
 namespace obliq::test {
 namespace {
@@ -22,123 +17,12 @@ using wire::ErrorNumber;
 using wire::HiddenBy;
 using wire::TargetRecord;
 
-constexpr const char* kViewer = "viewer-token-0123456789";
-constexpr const char* kController = "controller-token-0123456789";
-constexpr const char* kAdmin = "admin-token-0123456789";
-
-/// Level ground without an echo, 1 km below the antenna, that looks north.
-class NetTargets : public testing::Test {
- protected:
-  NetTargets() {
-    RadarSettings settings = beam_settings();
-    settings.range_bins = 200;
-    settings.azimuth_bins = 64;
-    settings.pixel_columns = 256;
-    settings.receiver.noise = true;
-    radar_.name = "main";
-    radar_.settings = settings;
-    radar_.pose = scene_.pose().settings;
-    options_ = small_options();
-    options_.max_bins = 1'000'000;
-    options_.max_memory_mb = 0;
-    options_.queue_frames = 3;
-  }
-
-  void serve() { server_ = std::make_unique<Server>(*this); }
-  client::Client connect(const std::string& token = "", const std::string& name = "tester") {
-    client::Client made;
-    EXPECT_TRUE(is_ok(made.connect(server_->endpoint(), {.name = name, .token = token})));
-    return made;
-  }
-  client::Client holder(const std::string& token = "") {
-    client::Client made = connect(token, "host");
-    EXPECT_TRUE(is_ok(made.claim_targets()));
-    return made;
-  }
-  void with_tokens() {
-    const std::string path = folder_.write(
-        "tokens", std::string("viewer ") + kViewer + "\ncontroller " + kController + "\nadmin " + kAdmin + "\n");
-    EXPECT_EQ(chmod(path.c_str(), 0600), 0);
-    options_.security = std::make_shared<net::Security>(net::SecurityFiles{path, "", ""});
-  }
-
-  /// So far to the north on the ground, that stands there.
-  wire::Target target(std::uint64_t id, double north_m, double east_m = 0) const {
-    const Target at = scene_.at(east_m, north_m, 0);
-    wire::Target message;
-    message.set_id(id);
-    message.set_latitude_deg(at.latitude_deg);
-    message.set_longitude_deg(at.longitude_deg);
-    message.set_rcs_dbsm(30);
-    message.set_swerling(0);
-    message.set_sim_time_ns(0);
-    return message;
-  }
-  static wire::SetTargets request_of(const std::vector<wire::Target>& targets) {
-    wire::SetTargets request;
-    for (const wire::Target& target : targets) *request.add_targets() = target;
-    return request;
-  }
-  static Status set(client::Client& client, const wire::SetTargets& request) {
-    std::vector<std::string> warnings;
-    return client.set_targets(request, warnings);
-  }
-  static Status set(client::Client& client, const std::vector<wire::Target>& targets) {
-    return set(client, request_of(targets));
-  }
-  static wire::TargetList list_of(client::Client& client) {
-    wire::TargetList list;
-    EXPECT_TRUE(is_ok(client.get_targets(list)));
-    list.clear_request_id();
-    return list;
-  }
-
-  wire::RenderOnce frame_request(bool live, bool truth, std::int64_t sim_time_ns = 0) const {
-    wire::RenderOnce request;
-    request.set_radar("main");
-    request.set_as_live(true);
-    request.mutable_pose()->set_sim_time_ns(sim_time_ns);
-    request.add_planes(wire::POWER);
-    request.set_live_targets(live);
-    request.set_truth(truth);
-    return request;
-  }
-  static AssembledFrame render(client::Client& client, wire::RenderOnce request) {
-    client::FrameAssembler frames(wire::plane_bit(wire::Plane::power));
-    client.set_handler(&frames);
-    EXPECT_TRUE(is_ok(client.render_once(request)));
-    EXPECT_TRUE(is_ok(receive_frame(client, frames)));
-    client.set_handler(nullptr);
-    return frames.take();
-  }
-  static std::size_t strongest(const std::vector<double>& with, const std::vector<double>& without) {
-    std::size_t best = 0;
-    for (std::size_t k = 0; k < with.size(); ++k)
-      if (with[k] - without[k] > with[best] - without[best]) best = k;
-    return best;
-  }
-
-  TestFolder folder_;
-  TargetScene scene_{level_world()};
-  RadarConfig radar_;
-  net::ServerOptions options_;
-
-  struct Server {
-    explicit Server(const NetTargets& of)
-        : renderer(of.scene_.shared(), "level"), server(renderer, {of.radar_}, of.options_) {
-      thread = std::thread([this] { server.run(); });
-    }
-    ~Server() {
-      server.stop();
-      thread.join();
-    }
-    client::Endpoint endpoint() const { return {"127.0.0.1", server.port()}; }
-    net::SceneRenderer renderer;
-    net::Server server;
-    std::thread thread;
-  };
-  std::unique_ptr<Server> server_;
-};
+std::size_t strongest(const std::vector<double>& with, const std::vector<double>& without) {
+  std::size_t best = 0;
+  for (std::size_t k = 0; k < with.size(); ++k)
+    if (with[k] - without[k] > with[best] - without[best]) best = k;
+  return best;
+}
 
 TEST_F(NetTargets, StandInTheBinsThatTheirTruthNames) {
   serve();
@@ -333,151 +217,6 @@ TEST_F(NetTargets, WithMistakesChangeNothing) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("1 late"), std::string::npos) << warnings[0];
   EXPECT_EQ(status_of(host).targets_late(), 1u);
-}
-
-TEST_F(NetTargets, ComeAndGoAllAtOnce) {
-  serve();
-  client::Client host = holder();
-  wire::SetTargets many;
-  for (std::uint64_t id = 1; id <= 10000; ++id) {
-    wire::Target& t = *many.add_targets() = target(id, 2000 + static_cast<double>(id) / 2);
-    t.set_name("target " + std::to_string(id));
-  }
-  ASSERT_TRUE(is_ok(set(host, many))) << "in several messages";
-  const wire::TargetList list = list_of(host);
-  ASSERT_EQ(list.targets_size(), 10000);
-  EXPECT_EQ(list.targets(9999).name(), "target 10000");
-  EXPECT_EQ(list.version(), 2u) << "one change";
-  EXPECT_EQ(render(host, frame_request(true, true)).targets.size(), 10000u);
-  wire::SetTargets swap = request_of({target(20000, 5000)});
-  swap.set_clear(true);
-  ASSERT_TRUE(is_ok(set(host, swap)));
-  ASSERT_EQ(list_of(host).targets_size(), 1);
-  wire::SetTargets gone;
-  gone.add_gone(20000);
-  gone.add_gone(1);
-  ASSERT_TRUE(is_ok(set(host, gone))) << "one that is not there is gone already";
-  EXPECT_EQ(list_of(host).targets_size(), 0);
-}
-
-TEST_F(NetTargets, GoWhenTheirValidityIsOver) {
-  serve();
-  client::Client host = holder();
-  wire::Target brief = target(1, 5000);
-  brief.set_valid_s(0.2);
-  ASSERT_TRUE(is_ok(set(host, {brief, target(2, 6000)})));
-  EXPECT_EQ(render(host, frame_request(true, true)).targets.size(), 2u);
-  std::this_thread::sleep_for(std::chrono::milliseconds(250));
-  EXPECT_EQ(render(host, frame_request(true, true)).targets.size(), 1u);
-  EXPECT_EQ(status_of(host).targets_expired(), 1u);
-  EXPECT_EQ(list_of(host).targets_size(), 1);
-}
-
-TEST_F(NetTargets, WithoutASimTimeMoveByTheServersClockAndStandInATotalFreeze) {
-  serve();
-  client::Client host = holder();
-  wire::Target mover = target(1, 3000);
-  mover.clear_sim_time_ns();
-  mover.set_velocity_north_m_s(1000);
-  ASSERT_TRUE(is_ok(set(host, {mover})));
-  const auto range_of = [&] {
-    wire::RenderOnce request = frame_request(true, true);
-    request.mutable_pose()->clear_sim_time_ns();
-    const AssembledFrame frame = render(host, request);
-    return frame.targets.size() == 1 ? frame.targets[0].range_m : -1;
-  };
-  const double first = range_of();
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  const double second = range_of();
-  EXPECT_GT(second, first + 80);
-  ASSERT_TRUE(is_ok(host.claim_control("main")));
-  ASSERT_TRUE(is_ok(host.freeze_exercise(true)));
-  const double frozen = range_of();
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(range_of(), frozen);
-  ASSERT_TRUE(is_ok(host.freeze_exercise(false)));
-  EXPECT_LT(range_of(), frozen + 90) << "the pause is no time";
-}
-
-TEST_F(NetTargets, ChangeFromWhereTheyHaveCome) {
-  serve();
-  client::Client host = holder();
-  wire::Target mover = target(1, 3000);
-  mover.set_velocity_north_m_s(100);
-  ASSERT_TRUE(is_ok(set(host, {mover})));
-  wire::Target stop;
-  stop.set_id(1);
-  stop.set_sim_time_ns(10'000'000'000);
-  stop.set_velocity_north_m_s(0);
-  ASSERT_TRUE(is_ok(set(host, {stop})));
-  EXPECT_NEAR(render(host, frame_request(true, true, 20'000'000'000)).targets[0].range_m,
-              std::hypot(4000, 1000), 0.5);
-  // What says nothing of place or motion leaves both.
-  wire::Target renamed;
-  renamed.set_id(1);
-  renamed.set_name("Öl 1");
-  ASSERT_TRUE(is_ok(set(host, {renamed})));
-  const wire::Target& now = list_of(host).targets(0);
-  EXPECT_EQ(now.name(), "Öl 1");
-  EXPECT_EQ(now.sim_time_ns(), 10'000'000'000);
-}
-
-TEST_F(NetTargets, AreSavedLoadedResetAndLogged) {
-  TargetConfig of_file;
-  of_file.name = "of the file";
-  of_file.target = scene_.at(0, 4000, 0);
-  options_.targets = {of_file};
-  serve();
-  client::Client host = holder();
-  ASSERT_TRUE(is_ok(host.claim_control("main")));
-  wire::Target round = target(2, 5000);
-  for (const double east : {1000.0, 2000.0}) {
-    const Target at = scene_.at(east, 5000, 0);
-    round.mutable_route()->add_latitude_deg(at.latitude_deg);
-    round.mutable_route()->add_longitude_deg(at.longitude_deg);
-    round.mutable_route()->add_height_m(0);
-    round.mutable_route()->add_speed_m_s(50);
-  }
-  round.mutable_route()->set_loops(true);
-  ASSERT_TRUE(is_ok(set(host, {round})));
-  wire::ExerciseState saved;
-  ASSERT_TRUE(is_ok(host.get_exercise(saved)));
-  ASSERT_EQ(saved.targets_size(), 2);
-  EXPECT_TRUE(saved.with_targets());
-  ASSERT_TRUE(is_ok(host.reset_exercise("")));
-  EXPECT_EQ(list_of(host).targets_size(), 1);
-  ASSERT_TRUE(is_ok(host.load_exercise(saved)));
-  const wire::TargetList loaded = list_of(host);
-  ASSERT_EQ(loaded.targets_size(), 2);
-  EXPECT_EQ(loaded.targets(1).SerializeAsString(), saved.targets(1).SerializeAsString());
-  // 60 s on: 1 km east by 20 s, 2 km by 40 s, then back.
-  EXPECT_NEAR(render(host, frame_request(true, true, 60'000'000'000)).targets[1].bearing_deg,
-              std::atan2(1000, 5000) / kDegree_rad, 0.02);
-  wire::ExerciseState spoilt = saved;
-  spoilt.mutable_targets(0)->set_swerling(7);
-  EXPECT_EQ(host.load_exercise(spoilt).number, number(ErrorNumber::invalid_value));
-  wire::ExerciseEvents events;
-  ASSERT_TRUE(is_ok(host.get_events(0, false, events)));
-  int come = 0, claims = 0;
-  for (const wire::ExerciseEvent& event : events.events()) {
-    EXPECT_EQ(event.state().targets_size(), 0);
-    if (event.kind() == wire::TARGETS_EVENT) come += static_cast<int>(event.targets_come());
-    claims += event.kind() == wire::CLAIM_EVENT && event.claims(0) == wire::TARGETS_CLAIM;
-  }
-  EXPECT_EQ(come, 1);
-  EXPECT_EQ(claims, 1);
-}
-
-TEST_F(NetTargets, OfARequestThatEndsInItsMiddleAreForgotten) {
-  serve();
-  client::Client host = holder();
-  ASSERT_TRUE(is_ok(set(host, {target(1, 5000)})));
-  wire::SetTargets part = request_of({target(2, 6000)});
-  part.set_more(true);
-  part.set_clear(true);
-  client::Client other = connect("", "other");
-  ASSERT_TRUE(is_ok(set(host, part)));  // the client ends it itself
-  EXPECT_EQ(list_of(host).targets_size(), 1);
 }
 
 }  // namespace

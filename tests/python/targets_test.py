@@ -95,7 +95,7 @@ class Targets(unittest.TestCase):
             path = pathlib.Path(self.folder.name) / "targets.obliq"
             support.run(support.OBLIQ, "record", "--server", self.address, "--radar", "main", "--truth", "--rate", "20",
                         "--frames", "3", "--out", path)
-            self.assertEqual([list(frame.targets["id"]) for frame in obliq.open(path).frames()], [[1]] * 3)
+            self.assertEqual([list(frame.targets["id"]) for frame in obliq.open(path)], [[1]] * 3)
             lines = support.run(support.OBLIQ, "replay", path, "--targets", "-").splitlines()
             self.assertEqual(len(lines), 4)
             self.assertEqual(dict(zip(lines[0].split(","), lines[1].split(",")))["id"], "1")

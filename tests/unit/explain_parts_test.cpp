@@ -148,11 +148,11 @@ TEST(Report, AFrustumWithoutASampleHasNoDecibels) {
 TEST(Rows, SayTheirClausesWithTheValuesTheyName) {
   const Values measured =
       values("loss_db"_is = -0.04, "r_km"_is = 37.0401, "none"_is = INFINITY, "rain"_is = "on");
-  const std::vector<Row> rows = rows_of(measured, {{"rain", true, "{rain}: {loss_db:.1f} dB"},
-                                                   {"rain", false, " and {none:.1f}"},
-                                                   {"rain", true, " at {r_km:4} km"},
-                                                   {"gas", false, "{rain}"},
-                                                   {"video", true, "{loss_db:+.1f}, {none:.2f}"}});
+  const std::vector<ReportRow> rows = rows_of(measured, {{"rain", true, "{rain}: {loss_db:.1f} dB"},
+                                                         {"rain", false, " and {none:.1f}"},
+                                                         {"rain", true, " at {r_km:4} km"},
+                                                         {"gas", false, "{rain}"},
+                                                         {"video", true, "{loss_db:+.1f}, {none:.2f}"}});
   ASSERT_EQ(rows.size(), 2u);  // nothing is said of gas
   EXPECT_EQ(rows[0].name, "rain");
   EXPECT_EQ(rows[0].text, "on: 0.0 dB at 37.04 km");

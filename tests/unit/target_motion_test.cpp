@@ -1,4 +1,6 @@
 // Where targets go: straight on, along routes, by which clock; and that poses and targets of one clock agree.
+#include "server/radar/targets/target_motion.h"
+
 #include <gtest/gtest.h>
 
 #include <GeographicLib/Geodesic.hpp>
@@ -7,7 +9,6 @@
 
 #include "server/flight/pose_time_line.h"
 #include "server/radar/targets/route.h"
-#include "server/radar/targets/target_motion.h"
 #include "terrain/base/units.h"
 
 namespace obliq::test {
@@ -53,10 +54,12 @@ TEST(TargetMotion, FollowsARouteAtTheSpeedOfEachLeg) {
 
 TEST(TargetMotion, GoesRoundALoopForEver) {
   Target target = at(0, 179.99);  // across the date line
-  target.route = std::make_shared<const Route>(0, 179.99, 0, RouteSpec{{{0, -179.99, {}, 10}, {0.01, 180, {}, 10}}, true});
+  target.route = std::make_shared<const Route>(0, 179.99, 0,
+                                               RouteSpec{{{0, -179.99, {}, 10}, {0.01, 180, {}, 10}}, true});
   double round_s = 0;
-  for (const auto& [a, b, c, d] : {std::tuple{0.0, 179.99, 0.0, -179.99}, std::tuple{0.0, -179.99, 0.01, 180.0},
-                                   std::tuple{0.01, 180.0, 0.0, 179.99}}) {
+  for (const auto& [a, b, c, d] :
+       {std::tuple{0.0, 179.99, 0.0, -179.99}, std::tuple{0.0, -179.99, 0.01, 180.0},
+        std::tuple{0.01, 180.0, 0.0, 179.99}}) {
     double length_m = 0;
     GeographicLib::Geodesic::WGS84().Inverse(a, b, c, d, length_m);
     round_s += length_m / 10;
@@ -64,8 +67,8 @@ TEST(TargetMotion, GoesRoundALoopForEver) {
   EXPECT_LT(round_s, 1000);
   for (const double t_s : {1.0, 100.0, 300.0, 500.0}) {
     const auto once = target_motion(target, t_s), later = target_motion(target, t_s + 1000 * round_s);
-    EXPECT_NEAR(distance_m(*later, once->at.latitude_rad / kDegree_rad, once->at.longitude_rad / kDegree_rad), 0,
-                1e-4);
+    EXPECT_NEAR(distance_m(*later, once->at.latitude_rad / kDegree_rad, once->at.longitude_rad / kDegree_rad),
+                0, 1e-4);
   }
 }
 
@@ -162,7 +165,8 @@ TEST(TargetMotion, AndPosesOfAClockThatIsFivePercentFastStayTogether) {
       const double sim_s = 1e-9 * static_cast<double>(shown.pose.sim_time_ns);
       const auto own = target_motion(flown, sim_s);
       const auto its = target_motion(target, sim_s);
-      const double meant_m = distance_m(*own, its->at.latitude_rad / kDegree_rad, its->at.longitude_rad / kDegree_rad);
+      const double meant_m =
+          distance_m(*own, its->at.latitude_rad / kDegree_rad, its->at.longitude_rad / kDegree_rad);
       worst_m = std::max(worst_m, std::abs(is_m - meant_m));
       // A target without a sim time is shown as late as the poses are.
       EXPECT_LT(shown.shown_ns, now_ns + later_ms * std::int64_t{1'000'000});

@@ -36,7 +36,7 @@ void claim(client::Client& client, const std::string& radar) {
 }
 
 /// " and 3 targets"; nothing where the state says nothing of them.
-std::string targets_of(const wire::ExerciseState& state) {
+std::string and_targets(const wire::ExerciseState& state) {
   return state.with_targets() ? " and " + std::to_string(state.targets_size()) + " targets" : "";
 }
 
@@ -46,7 +46,7 @@ void save(const ExerciseArguments& arguments) {
   require(client.get_exercise(state));
   write_text(arguments.file, state_text(state));
   std::printf("%s: %d radars%s of %s\n", arguments.file.c_str(), state.radars_size(),
-              targets_of(state).c_str(), state.scene_name().c_str());
+              and_targets(state).c_str(), state.scene_name().c_str());
 }
 
 void load(const ExerciseArguments& arguments) {
@@ -57,7 +57,7 @@ void load(const ExerciseArguments& arguments) {
   const client::Status status = client.load_exercise(state);
   if (!status.ok()) throw InputError(arguments.file + ": " + status.sentence());
   std::printf("%s: %d radars%s are as they were\n", arguments.file.c_str(), state.radars_size(),
-              targets_of(state).c_str());
+              and_targets(state).c_str());
 }
 
 void reset(const ExerciseArguments& arguments) {

@@ -7,6 +7,7 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/number_option.h"
 #include "server/apps/scene_arguments.h"
+#include "server/control/sections/targets.h"
 #include "server/explain/explanation.h"
 #include "server/loading/scene_loading.h"
 #include "server/output/frame_files.h"
@@ -31,10 +32,18 @@ void run(const SceneConfig& config, const ExplainArguments& arguments) {
     if (progress) progress("loaded", 1);  // ends the line that it would write into
     print_world_report(world);
   };
-  const Explanation explanation =
-      explain_scene({config.name, radar.name, config.world, config.materials, radar.settings, radar.pose,
-                     arguments.threads > 0 ? arguments.threads : config.threads, config.rays, print_loaded},
-                    progress);
+  ExplainInput input{config.name,
+                     radar.name,
+                     config.world,
+                     config.materials,
+                     radar.settings,
+                     radar.pose,
+                     arguments.threads > 0 ? arguments.threads : config.threads,
+                     config.rays};
+  input.targets = targets_of(config);
+  for (const TargetConfig& target : config.targets) input.target_names.push_back(target.name);
+  input.on_loaded = print_loaded;
+  const Explanation explanation = explain_scene(input, progress);
   std::fputs(plain_report(explanation).c_str(), stdout);
   if (arguments.out.empty()) return;
   const std::filesystem::path folder = arguments.out;

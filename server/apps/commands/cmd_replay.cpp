@@ -218,9 +218,10 @@ void add_replay(CLI::App& app) {
           ->excludes(out);
   CLI::Option* targets =
       command
-          ->add_option("--targets", arguments->targets,
-                       "Write where targets were in each frame, of a recording with --truth, and nothing else; -: "
-                       "to the standard output")
+          ->add_option(
+              "--targets", arguments->targets,
+              "Write where targets were in each frame, of a recording with --truth, and nothing else; -: "
+              "to the standard output")
           ->type_name("FILE.csv")
           ->excludes(out)
           ->excludes(track);

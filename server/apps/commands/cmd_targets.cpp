@@ -28,8 +28,8 @@ struct TargetsArguments {
 
 void print_types(const wire::TargetList& list) {
   for (const wire::TargetType& type : list.types())
-    std::printf("%-24s %6.1f dB m^2, Swerling %d, %g x %g m, %g m high\n", type.name().c_str(), type.rcs_dbsm(),
-                type.swerling(), type.length_m(), type.width_m(), type.top_m());
+    std::printf("%-24s %6.1f dB m^2, Swerling %d, %g x %g m, %g m high\n", type.name().c_str(),
+                type.rcs_dbsm(), type.swerling(), type.length_m(), type.width_m(), type.top_m());
   if (list.types_size() == 0) std::printf("none: the scene has no [target_types.NAME]\n");
 }
 
@@ -46,9 +46,9 @@ void print(client::Client& client, const TargetsArguments& arguments) {
     return;
   }
   if (list.targets_size() > 0) std::printf("%s", target_table(list).c_str());
-  std::printf("%s of at most %u, %s%s\n", counted(static_cast<std::uint64_t>(list.targets_size()), "target").c_str(),
-              list.max_targets(), list.controller().empty() ? "not claimed" : "held by ",
-              list.controller().c_str());
+  std::printf("%s of at most %u, %s%s\n",
+              counted(static_cast<std::uint64_t>(list.targets_size()), "target").c_str(), list.max_targets(),
+              list.controller().empty() ? "not claimed" : "held by ", list.controller().c_str());
 }
 
 void run(const TargetsArguments& arguments) {
@@ -60,7 +60,8 @@ void run(const TargetsArguments& arguments) {
   for (const std::uint64_t id : arguments.remove) change.add_gone(id);
   change.set_clear(arguments.clear);
   client::Client client = connect_to_server(arguments.server, "obliq targets");
-  if (change.targets_size() == 0 && change.gone_size() == 0 && !change.clear()) return print(client, arguments);
+  if (change.targets_size() == 0 && change.gone_size() == 0 && !change.clear())
+    return print(client, arguments);
   require(client.claim_targets(arguments.force));
   std::vector<std::string> warnings;
   require(client.set_targets(change, warnings));
@@ -80,11 +81,14 @@ void add_targets(CLI::App& app) {
   auto arguments = std::make_shared<TargetsArguments>();
   add_server_arguments(*command, arguments->server);
   command
-      ->add_option("KEY=VALUE", arguments->words,
-                   "A target to set: id=7 first, then what is to change, such as type=truck latitude_deg=36.4 "
-                   "longitude_deg=-107.6 velocity_north_m_s=12 route=36.5,-107.6,12; another id begins another")
+      ->add_option(
+          "KEY=VALUE", arguments->words,
+          "A target to set: id=7 first, then what is to change, such as type=truck latitude_deg=36.4 "
+          "longitude_deg=-107.6 velocity_north_m_s=12 route=36.5,-107.6,12; another id begins another")
       ->type_name("");
-  command->add_option("--file", arguments->file, "Set those of a file, a line of JSON each, as --json prints them")
+  command
+      ->add_option("--file", arguments->file,
+                   "Set those of a file, a line of JSON each, as --json prints them")
       ->type_name("FILE");
   command->add_option("--remove", arguments->remove, "Remove these")->type_name("ID");
   command->add_flag("--clear", arguments->clear, "Remove all others");

@@ -63,7 +63,8 @@ std::string claims_text(const wire::ExerciseEvent& event) {
 
 std::string targets_text(const wire::ExerciseEvent& event) {
   const std::string come = event.targets_come() > 0 ? "adds " + counted(event.targets_come(), "target") : "";
-  const std::string gone = event.targets_gone() > 0 ? "removes " + counted(event.targets_gone(), "target") : "";
+  const std::string gone =
+      event.targets_gone() > 0 ? "removes " + counted(event.targets_gone(), "target") : "";
   return come + (come.empty() || gone.empty() ? "" : ", ") + gone;
 }
 

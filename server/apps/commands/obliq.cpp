@@ -13,10 +13,10 @@
 namespace {
 
 constexpr auto kCommands = {
-    obliq::add_render, obliq::add_frontier, obliq::add_frustum,    obliq::add_explain,  obliq::add_get,
-    obliq::add_watch,  obliq::add_record,   obliq::add_replay,     obliq::add_pose,     obliq::add_fly,
-    obliq::add_set,    obliq::add_targets, obliq::add_status,   obliq::add_query,      obliq::add_exercise, obliq::add_bookmark,
-    obliq::add_cat240, obliq::add_health,   obliq::add_parameters,
+    obliq::add_render,   obliq::add_frontier, obliq::add_frustum, obliq::add_explain,    obliq::add_get,
+    obliq::add_watch,    obliq::add_record,   obliq::add_replay,  obliq::add_pose,       obliq::add_fly,
+    obliq::add_set,      obliq::add_targets,  obliq::add_status,  obliq::add_query,      obliq::add_exercise,
+    obliq::add_bookmark, obliq::add_cat240,   obliq::add_health,  obliq::add_parameters,
 };
 
 constexpr int kFailed = 1;

@@ -33,7 +33,8 @@ const char* name_of(wire::HiddenBy hidden) {
 
 }  // namespace
 
-void write_targets(const std::string& recording, const client::RecordingStart& start, const std::string& out) {
+void write_targets(const std::string& recording, const client::RecordingStart& start,
+                   const std::string& out) {
   const bool to_terminal = out == "-";
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
       to_terminal ? stdout : std::fopen(out.c_str(), "w"),
@@ -43,7 +44,8 @@ void write_targets(const std::string& recording, const client::RecordingStart& s
   };
   if (!file) refuse();
   std::fputs(
-      "frame,utc_ns,sim_time_ns,id,latitude_deg,longitude_deg,height_m,bearing_deg,range_m,elevation_deg,closing_m_s,"
+      "frame,utc_ns,sim_time_ns,id,latitude_deg,longitude_deg,height_m,bearing_deg,range_m,elevation_deg,"
+      "closing_m_s,"
       "snr_db,is_power,rcs_dbsm,share_seen,azimuth_bin,range_bin,hidden_by\n",
       file.get());
   std::unique_ptr<client::RecordingReader> reader;
@@ -56,12 +58,13 @@ void write_targets(const std::string& recording, const client::RecordingStart& s
     if (found != client::RecordedFrames::Found::frame) continue;
     ++shown;
     for (const wire::TargetRecord& t : recorded.frame.targets) {
-      std::fputs(fmt::format("{},{},{},{},{:.9f},{:.9f},{:.3f},{:.6f},{:.3f},{:.6f},{:.3f},{:.3f},{},{:.3f},{:.4f},{},{},{}\n",
+      std::fputs(fmt::format("{},{},{},{},{:.9f},{:.9f},{:.3f},{:.6f},{:.3f},{:.6f},{:.3f},{:.3f},{},{:.3f},{"
+                             ":.4f},{},{},{}\n",
                              recorded.frame.descriptor->frame_id(), recorded.begin_utc_ns,
-                             recorded.frame.descriptor->pose().sim_time_ns(), t.id, t.latitude_deg, t.longitude_deg,
-                             t.height_m, t.bearing_deg, t.range_m, t.elevation_deg, t.closing_m_s, t.snr_db,
-                             t.is_power ? 1 : 0, t.rcs_dbsm, t.share_seen, t.azimuth_bin, t.range_bin,
-                             name_of(t.hidden_by))
+                             recorded.frame.descriptor->pose().sim_time_ns(), t.id, t.latitude_deg,
+                             t.longitude_deg, t.height_m, t.bearing_deg, t.range_m, t.elevation_deg,
+                             t.closing_m_s, t.snr_db, t.is_power ? 1 : 0, t.rcs_dbsm, t.share_seen,
+                             t.azimuth_bin, t.range_bin, name_of(t.hidden_by))
                      .c_str(),
                  file.get());
       ++lines;
@@ -72,7 +75,8 @@ void write_targets(const std::string& recording, const client::RecordingStart& s
     throw InputError(recording + ": none of its " + counted(shown, "frame") +
                      " says where targets are; `obliq record --truth` keeps it, where the server allows it");
   if (!to_terminal)
-    std::printf("%s: %s of %s\n", out.c_str(), counted(lines, "line").c_str(), counted(shown, "frame").c_str());
+    std::printf("%s: %s of %s\n", out.c_str(), counted(lines, "line").c_str(),
+                counted(shown, "frame").c_str());
   if (frames.losses().any()) throw PartlyDone(recording + ": " + frames.losses().text());
 }
 

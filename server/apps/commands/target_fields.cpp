@@ -139,7 +139,8 @@ std::string target_text(const wire::Target& target) {
   const auto* all = wire::Target::descriptor();
   for (int i = 0; i < all->field_count(); ++i) {
     const FieldDescriptor* field = all->field(i);
-    if (!is_key(*field) || (field->has_presence() && !target.GetReflection()->HasField(target, field))) continue;
+    if (!is_key(*field) || (field->has_presence() && !target.GetReflection()->HasField(target, field)))
+      continue;
     const auto* reflection = target.GetReflection();
     const Value value = field->cpp_type() == FieldDescriptor::CPPTYPE_STRING
                             ? Value{reflection->GetString(target, field)}
@@ -153,8 +154,8 @@ std::string target_text(const wire::Target& target) {
   text += std::string(kLoops) + " = " + (route.loops() ? "true" : "false") + "\n";
   for (int k = 0; k < route.latitude_deg_size(); ++k)
     text += "[[target.route]]\nlatitude_deg = " + toml_number(route.latitude_deg(k)) +
-            "\nlongitude_deg = " + toml_number(route.longitude_deg(k)) + "\nheight_m = " +
-            toml_number(route.height_m_size() > k ? route.height_m(k) : target.height_m()) +
+            "\nlongitude_deg = " + toml_number(route.longitude_deg(k)) +
+            "\nheight_m = " + toml_number(route.height_m_size() > k ? route.height_m(k) : target.height_m()) +
             "\nspeed_m_s = " + toml_number(route.speed_m_s(route.speed_m_s_size() > k ? k : 0)) + "\n";
   return text;
 }
@@ -220,20 +221,23 @@ std::vector<wire::Target> targets_of_file(const std::string& path) {
     if (trimmed(line).empty()) continue;
     const auto parsed = google::protobuf::util::JsonStringToMessage(line, &targets.emplace_back());
     if (!parsed.ok())
-      throw InputError(fmt::format("{}:{}: found {}; allowed: a target as JSON, a line each, as `obliq targets "
-                                   "--json` prints them",
-                                   path, number, std::string(parsed.message())));
+      throw InputError(
+          fmt::format("{}:{}: found {}; allowed: a target as JSON, a line each, as `obliq targets "
+                      "--json` prints them",
+                      path, number, std::string(parsed.message())));
   }
   return targets;
 }
 
 std::string target_table(const wire::TargetList& list) {
-  std::string text = fmt::format("{:>10}  {:20} {:12} {:>11} {:>12} {:>9} {:9} {:>6} {:>2}  {}\n", "id", "name", "type",
-                                 "latitude", "longitude", "height m", "over", "dB m^2", "Sw", "motion");
+  std::string text =
+      fmt::format("{:>10}  {:20} {:12} {:>11} {:>12} {:>9} {:9} {:>6} {:>2}  {}\n", "id", "name", "type",
+                  "latitude", "longitude", "height m", "over", "dB m^2", "Sw", "motion");
   for (const wire::Target& target : list.targets())
     text += fmt::format("{:>10}  {:20} {:12} {:>11} {:>12} {:>9} {:9} {:>6} {:>2}  {}\n", target.id(),
                         printable_text(target.name(), 20), printable_text(target.type(), 12),
-                        cell(target.latitude_deg(), 6), cell(target.longitude_deg(), 6), cell(target.height_m(), 1),
+                        cell(target.latitude_deg(), 6), cell(target.longitude_deg(), 6),
+                        cell(target.height_m(), 1),
                         wire::enum_word(wire::HeightReference_Name(target.height_reference())),
                         cell(target.rcs_dbsm(), 1), target.swerling(), motion_text(target));
   return text;

@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "server/security/token_file.h"
-
 namespace obliq {
 
 struct Section;
+
+/// Of tokens: those of server/security, in their order.
+enum class TruthRole { viewer, controller, admin };
 
 /// What a peer may ask of the daemon. All of it is reloaded at SIGHUP. Times in seconds.
 struct ServerLimits {
@@ -47,7 +48,7 @@ struct ServerConfig : ServerLimits {
   bool unprotected = false;     ///< serves other machines without TLS or tokens
   double dead_after_s = 60;
   int max_radars = 16;
-  net::Role truth_role = net::Role::controller;  ///< who may have the places of targets
+  TruthRole truth_role = TruthRole::controller;  ///< who may have the places of targets
 };
 
 extern const Section kServerSection;

@@ -113,9 +113,10 @@ const TargetType* find_type(const std::vector<TargetType>& types, const std::str
 }
 
 void TargetConfig::lay_route() {
-  target.route = route.points.empty() ? nullptr
-                                      : std::make_shared<const Route>(target.latitude_deg, target.longitude_deg,
-                                                                      target.height_m, route);
+  target.route =
+      route.points.empty()
+          ? nullptr
+          : std::make_shared<const Route>(target.latitude_deg, target.longitude_deg, target.height_m, route);
 }
 
 namespace {
@@ -144,7 +145,8 @@ std::vector<FieldError> validate(const TargetConfig& config) {
   const glm::dvec3 none(0.0);
   if (!config.route.points.empty() &&
       (config.target.velocity_m_s != none || config.target.acceleration_m_s2 != none))
-    errors.push_back({"route", "a velocity beside it", "a route or a velocity: a route has speeds of its own"});
+    errors.push_back(
+        {"route", "a velocity beside it", "a route or a velocity: a route has speeds of its own"});
   return errors;
 }
 
@@ -214,7 +216,8 @@ TargetConfig read_target(SceneReading& scene, const ConfigNode& table) {
     reader.demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
   reader.finish();
   for (const FieldError& error : validate(config))
-    if (error.field == "route") scene.complaints.add(table.where, {"target.route", error.found, error.allowed});
+    if (error.field == "route")
+      scene.complaints.add(table.where, {"target.route", error.found, error.allowed});
   return config;
 }
 

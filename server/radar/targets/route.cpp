@@ -17,9 +17,8 @@ Route::Route(double latitude_deg, double longitude_deg, double height_m, RouteSp
     earth.Inverse(end.latitude_deg, end.longitude_deg, latitude, longitude, length_m);
     if (length_m > 0) {
       const double lasts_s = length_m / speed_m_s;
-      legs_.push_back(
-          {earth.InverseLine(end.latitude_deg, end.longitude_deg, latitude, longitude), length_m,
-           end.height_m, height, lasts_s_, lasts_s});
+      legs_.push_back({earth.InverseLine(end.latitude_deg, end.longitude_deg, latitude, longitude), length_m,
+                       end.height_m, height, lasts_s_, lasts_s});
       lasts_s_ += lasts_s;
     }
     end = {latitude, longitude, height, 0};

@@ -141,9 +141,9 @@ double TargetEchoes::closing_m_s(const Target& target, double age_s, const Targe
   const double range_m = glm::length(way_m);
   if (!later || !(range_m > 0)) return 0;
   const PoseSettings& pose = plan_.pose().settings;
-  const glm::dvec3 flown_m = kMoment_s * glm::dvec3(pose.velocity_east_m_s.value_or(0),
-                                                    pose.velocity_up_m_s.value_or(0),
-                                                    pose.velocity_north_m_s.value_or(0));
+  const glm::dvec3 flown_m =
+      kMoment_s * glm::dvec3(pose.velocity_east_m_s.value_or(0), pose.velocity_up_m_s.value_or(0),
+                             pose.velocity_north_m_s.value_or(0));
   const Geodetic from = world.frame.geodetic_from_world({antenna_m});
   const glm::dvec3 by_antenna_m =
       world.frame.world_from_geodetic(moved(from, flown_m)).m - world.frame.world_from_geodetic(from).m;
@@ -156,8 +156,8 @@ void TargetEchoes::note_truth(const Target& target, double age_s, const TargetPl
   TargetTruth truth;
   if (at.position < bins.n_azimuth) truth.azimuth_bin = static_cast<int>(at.position);
   const bool whole = azimuths_.count >= bins.n_azimuth;
-  if (!whole && (truth.azimuth_bin < azimuths_.first ||
-                 truth.azimuth_bin >= azimuths_.first + azimuths_.count))
+  if (!whole &&
+      (truth.azimuth_bin < azimuths_.first || truth.azimuth_bin >= azimuths_.first + azimuths_.count))
     return;
   const glm::dvec3& antenna_m = plan_.sector().antenna_m;
   const glm::dvec3 way_m = place.foot_m - antenna_m;
@@ -234,8 +234,7 @@ void TargetEchoes::add_scatterer(const Target& target, const Scatterer& scattere
   echo.id = target.id;
   echo.power_w = power_w(target, scatterer.at_m, echo.range_m, share * scatterer.part);
   const double round_trips = 2 * echo.range_m / wavelength_m_;
-  echo.voltage =
-      scatterer.drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
+  echo.voltage = scatterer.drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
   respond(echo);
   if (!echo.responses.empty()) echoes_.push_back(std::move(echo));
 }

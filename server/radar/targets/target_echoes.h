@@ -81,7 +81,7 @@ class TargetEchoes {
   /// What of it echoes by itself.
   struct Scatterer {
     glm::dvec3 at_m{0.0};
-    double part = 1;                   ///< of the mean cross section
+    double part = 1;                  ///< of the mean cross section
     std::complex<double> drawn{0.0};  ///< what the voltage of the mean is multiplied by
   };
   std::vector<Scatterer> scatterers(const Target& target, const TargetPlace& place) const;

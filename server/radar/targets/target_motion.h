@@ -9,7 +9,7 @@ namespace obliq {
 
 /// How far a target has come.
 struct TargetMotion {
-  Geodetic at;             ///< its height over the ground, or over the datum, as over_ground says
+  Geodetic at;  ///< its height over the ground, or over the datum, as over_ground says
   bool over_ground = false;
   double heading_rad = 0;  ///< of its nose, clockwise from true north
 };

@@ -202,7 +202,7 @@ class _Hand:
         if kind == 2:  # another connection, whose streams may have other numbers
             self.lose("the connection was lost in the frame begun there")
             self._stream = None
-        if not 48 <= kind <= 51:
+        if not 48 <= kind <= 52:
             return None
         parsed = message.parsed()
         if kind == 48:
@@ -221,6 +221,9 @@ class _Hand:
             return None
         if kind == 49:
             self.assembler.block(header, parsed, message.plane)
+            return None
+        if kind == 52:
+            self.assembler.targets(parsed, message.plane)
             return None
         assembler, self.assembler = self.assembler, None
         if kind == 51:
