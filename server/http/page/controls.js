@@ -13,6 +13,7 @@ const $ = (id) => document.getElementById(id);
 export const DEFAULTS = {
   palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "auto", slant: false, unit: "km",
   rings: true, overlay: false, label: "", bscope: false, profile: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
+  targets: false, trails: 0, relative: false,
 };
 
 export function readFragment() {

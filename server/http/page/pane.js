@@ -72,6 +72,7 @@ export class Pane {
     this.levels.unsettle();
     this.heading?.forget();
     this.newestPose = null;
+    this.ppi?.truth?.clear();
     this.awaits = true; // its first picture
     this.pending = this.rendered = "";
   }
@@ -97,6 +98,8 @@ export class Pane {
       const { debrief, look } = this.app;
       [body, plane] = look.label && body.plane === look.label ? asStates(body, plane, bins.descriptor) : [body, plane];
       bins.block(body, plane, { now_ms, age_ms, utc_ms: debrief.state ? debrief.utcAt_ms(debrief.position_s) : utc_ms });
+    } else if (type === "TargetBlock") {
+      this.app.targets.take(this, { body, plane });
     } else if (type === "FrameEnd") {
       if (bins.end(body)) ppi.refresh();
       this.level(performance.now());

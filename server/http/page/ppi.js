@@ -34,6 +34,7 @@ const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
  * @property {{right_m: number, ahead_m: number, zoom: number}|null} window null: all of the sector
  * @property {{east_m: number, north_m: number}|null} cursor
  * @property {import("./lines.js").Lines} lines
+ * @property {import("./targets.js").Targets} targets
  */
 
 export class Ppi {
@@ -66,6 +67,8 @@ export class Ppi {
     this.draws = 0;
     this.times = { draw_ms: 0, table_ms: 0 };
     this.handle = false; // whether the centre bearing can be dragged
+    /** Where targets are; null: not shown. @type {import("./truth.js").Truth|null} */
+    this.truth = null;
     this.needs = { table: true, grid: true, marks: true, all: true };
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
