@@ -3,6 +3,7 @@
 import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./palettes.js";
 import { UPS } from "./heading.js";
 import { LABEL_PLANES, labelLegend } from "./labels.js";
+import { TRAIL_MINUTES } from "./trails.js";
 import { UNIT_M } from "./grid.js";
 import { hasReceiver } from "./levels.js";
 import { turned } from "./placement.js";
@@ -28,6 +29,7 @@ export function readFragment() {
   if (!["km", "NM"].includes(found.unit)) found.unit = DEFAULTS.unit;
   if (!LABEL_PLANES.includes(found.label)) found.label = DEFAULTS.label;
   if (!UPS.includes(found.up)) found.up = DEFAULTS.up;
+  if (!TRAIL_MINUTES.includes(found.trails)) found.trails = DEFAULTS.trails;
   found.size = Math.min(2, Math.max(0.7, found.size));
   found.rate = Math.max(0.1, found.rate);
   return found;
@@ -80,6 +82,10 @@ export class Display {
     };
     $("profile").onclick = () => this.set({ profile: !look.profile });
     $("bscope").onclick = () => this.set({ bscope: !look.bscope });
+    $("trails").append(...TRAIL_MINUTES.map((minutes) => new Option(minutes ? `${minutes} min` : "off", String(minutes))));
+    $("trails").onchange = () => this.set({ trails: Number($("trails").value) });
+    $("trails-true").onclick = () => this.set({ relative: false });
+    $("trails-relative").onclick = () => this.set({ relative: true });
     $("by-ground").onclick = () => this.set({ slant: false });
     $("by-slant").onclick = () => this.set({ slant: true });
     $("rings").onclick = () => this.set({ rings: !look.rings });
@@ -194,6 +200,9 @@ export class Display {
     press("profile", look.profile);
     $("expert").checked = this.app.kept.expert;
     $("size").value = String(look.size);
+    $("trails").value = String(look.trails);
+    check("trails-true", !look.relative);
+    check("trails-relative", look.relative);
     check("by-ground", !look.slant);
     check("by-slant", look.slant);
     press("rings", look.rings);

@@ -34,7 +34,7 @@ export class App {
     this.look = {
       palette: kept.palette, compensated: kept.r2,
       afterglow_s: Math.max(0, kept.glow), autoGlow: kept.glow < 0, up: kept.up, slant: kept.slant, unit: kept.unit,
-      rings: kept.rings, overlay: kept.overlay, label: kept.label, bscope: kept.bscope, profile: kept.profile, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
+      rings: kept.rings, overlay: kept.overlay, label: kept.label, bscope: kept.bscope, profile: kept.profile, trails: kept.trails, relative: kept.relative, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
       size: kept.size, px: sizeFor(kept.size),
     };
     applySize(this.look.px);
@@ -134,7 +134,7 @@ export class App {
     writeFragment({
       ...levels, palette: look.palette, r2: look.compensated, glow: look.autoGlow ? -1 : look.afterglow_s, up: look.up, slant: look.slant,
       unit: look.unit, rings: look.rings, overlay: look.overlay, label: look.label, bscope: look.bscope, profile: look.profile, size: look.size, expert: this.kept.expert, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
-      a: this.kept.a, b: this.kept.b, targets: this.targets.isWanted,
+      a: this.kept.a, b: this.kept.b, targets: this.targets.isWanted, trails: look.trails, relative: look.relative,
     });
   }
 

@@ -7,6 +7,7 @@ import { Levels } from "./levels.js";
 import { Ppi } from "./ppi.js";
 import { Profile } from "./profile.js";
 import { Scope } from "./scope.js";
+import { Trails } from "./trails.js";
 import { refusalText } from "./form.js";
 import { changesOf } from "./sources.js";
 import { number, utcNow_ms } from "./messages.js";
@@ -34,6 +35,7 @@ export class Pane {
     this.ppi = new Ppi(this.element.querySelector(".ppi"), this.bins, app.look);
     this.scope = new Scope(this.element.querySelector(".scope"));
     this.profile = new Profile(this.scope.canvas);
+    this.trails = new Trails(this);
     this.annunciators = new Annunciators(this.ppi.element);
     this.banner = this.element.querySelector(".banner");
     this.about = this.element.querySelector(".about");
@@ -73,6 +75,7 @@ export class Pane {
     this.heading?.forget();
     this.newestPose = null;
     this.ppi?.truth?.clear();
+    this.trails?.clear();
     this.awaits = true; // its first picture
     this.pending = this.rendered = "";
   }
@@ -145,10 +148,11 @@ export class Pane {
     const { bins, ppi } = this;
     const { cursor, hold } = this.app.look;
     const isHeld = !this.app.link.isLive || hold;
-    if (isHeld && !ppi.needs.grid && !ppi.needs.marks && !ppi.needs.table) return;
+    if (isHeld && !ppi.needs.grid && !ppi.needs.marks && !ppi.needs.table) return this.trails.draw(now_ms, true);
     if (!isHeld) this.held_ms = now_ms;
     const hadMarks = ppi.needs.marks;
     const isNew = ppi.draw(now_ms, isHeld ? this.held_ms ?? now_ms : null);
+    this.trails.draw(now_ms, isHeld);
     if (isNew || (hadMarks && !ppi.needs.marks)) {
       if (this.profile.isWanted(this)) this.profile.draw(this);
       else this.scope.draw(bins, this.app.look, cursor && ppi.read(cursor));

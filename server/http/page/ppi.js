@@ -31,6 +31,8 @@ const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
  * @property {boolean} overlay
  * @property {string} label the plane whose labels are shown; empty: none
  * @property {boolean} rings
+ * @property {number} trails minutes; 0: none
+ * @property {boolean} relative trails move with the antenna; else they stay on the earth
  * @property {{right_m: number, ahead_m: number, zoom: number}|null} window null: all of the sector
  * @property {{east_m: number, north_m: number}|null} cursor
  * @property {import("./lines.js").Lines} lines

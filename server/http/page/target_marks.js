@@ -5,11 +5,12 @@ import { measured, soon } from "./truth.js";
 const SIDE_PX = 6; // from a mark's middle to its corners
 const NEAR_PX = 12;
 const MOST_DRAWN = 600;
-const LINE_PX = 13;
+const LINE_PX = 14;
 const SEEN = "#8fdcff";
 const DIM = "rgba(143, 180, 205, 0.62)";
 const CHOSEN = "#ffffff";
 const HALO = "rgba(7, 11, 14, 0.85)";
+const PLATE = "rgba(7, 11, 14, 0.66)"; // below a name
 const LEAST_SPEED_MPS = 0.3; // with a leader
 
 /** @typedef {import("./ppi.js").Ppi} Ppi @typedef {import("./truth.js").TargetRecord} TargetRecord */
@@ -158,15 +159,14 @@ function names(ppi, c, shown, targets) {
   for (const { record, at: [x, y] } of order) {
     const text = targets.nameOf(record.id);
     const width = c.measureText(text).width;
-    const off = SIDE_PX + 6;
+    const off = SIDE_PX + 7;
     const places = [[x + off, y - 9], [x + off, y + 9], [x - off - width, y - 9], [x - off - width, y + 9], [x - width / 2, y - off - 8], [x - width / 2, y + off + 8]];
-    const box = places.map(([left, middle]) => ({ left: left - 2, right: left + width + 2, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: [left, middle] }))
+    const box = places.map(([left, middle]) => ({ left: left - 3, right: left + width + 3, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: [left, middle] }))
       .find((one) => one.left > 0 && one.right < ppi.width && !taken.some((other) => meets(one, other)));
     if (!box) continue;
     taken.push(box);
-    c.strokeStyle = HALO;
-    c.lineWidth = 3;
-    c.strokeText(text, ...box.at);
+    c.fillStyle = PLATE;
+    c.fillRect(box.left, box.top, box.right - box.left, box.bottom - box.top);
     c.fillStyle = record.id === targets.chosen ? CHOSEN : record.share > 0 ? SEEN : DIM;
     c.fillText(text, ...box.at);
   }

@@ -234,7 +234,7 @@ export class TargetPanel {
     const rows = all.slice(0, MOST_LISTED).map((target) => {
       const record = ppi.truth?.records.get(target.id);
       return { id: target.id, name: targets.nameOf(target.id), share: record?.share ?? -1,
-        at: record ? `${Math.round(turned(record.bearing_deg)) % 360}° ${(record.range_m / UNIT_M[app.look.unit]).toFixed(1)}` : "–" };
+        at: record ? `${String(Math.round(turned(record.bearing_deg)) % 360).padStart(3, "0")}° ${(record.range_m / UNIT_M[app.look.unit]).toFixed(1)} ${app.look.unit}` : "–" };
     });
     const list = $("target-list");
     const text = [...rows.map(({ id }) => id), all.length].join();

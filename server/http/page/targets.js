@@ -140,11 +140,12 @@ export class Targets {
     return this.list.get(id)?.name || `#${id}`;
   }
 
-  /** Since it was at the place that the list has. */
+  /** Seconds since it was at the place that the list has; null: its clock is not that of the poses. */
   ageOf(target) {
     const { newestPose } = this.app.panes[0];
     if (target.sim_time_ns === undefined) return number(target.age_s) + (performance.now() - target.read_ms) / 1000;
-    return Math.max(0, (number(newestPose?.sim_time_ns) - number(target.sim_time_ns)) * 1e-9);
+    if (newestPose?.sim_time_ns === undefined) return null;
+    return Math.max(0, (number(newestPose.sim_time_ns) - number(target.sim_time_ns)) * 1e-9);
   }
 
   /** As it was set; or by its way, where it follows a route or nothing was said. @param {Truth} truth */
@@ -153,13 +154,14 @@ export class Targets {
     const north = number(target?.velocity_north_m_s);
     const east = number(target?.velocity_east_m_s);
     if ((!north && !east) || target.route) return truth.velocityOf(id);
-    const age_s = this.ageOf(target);
+    const age_s = this.ageOf(target) ?? 0;
     return { north: north + age_s * number(target.acceleration_north_m_s2), east: east + age_s * number(target.acceleration_east_m_s2) };
   }
 
   pointsAhead(id) {
     const target = this.list.get(id);
-    return target?.route ? pointsAhead(target, this.ageOf(target)) : [];
+    const here = this.app.panes.map(({ ppi }) => ppi.truth?.records.get(id)).find(Boolean);
+    return target?.route ? pointsAhead(target, this.ageOf(target), here) : [];
   }
 
   choose(id) {
