@@ -12,6 +12,8 @@ import { refusalText } from "./form.js";
 import { changesOf } from "./sources.js";
 import { number, utcNow_ms } from "./messages.js";
 
+const TARGETS_MS = 2000; // between frames of a picture that is rendered with moving targets
+
 const MARKUP = `<div class="ppi" tabindex="0" role="application" aria-label="Radar picture"></div>
 <div class="corner source"><select class="pick" title="What this picture shows: a radar, or the first one at another range scale"
  aria-label="Radar of this picture"></select><span class="about"></span></div>
@@ -181,12 +183,14 @@ export class Pane {
     const d = first.bins.descriptor;
     if (!this.isRendered || this.pending || !d || !link.isLive || look.hold) return;
     const second = this.app.secondPlane(first.radar);
-    const wanted = JSON.stringify([this.source, d.settings, d.pose, second]);
+    const { isOn: truth } = this.app.targets;
+    const moment = d.targets ? Math.floor(performance.now() / TARGETS_MS) : 0; // they move, where nothing else does
+    const wanted = JSON.stringify([this.source, d.settings, d.pose, second, truth, moment]);
     if (wanted === this.rendered) return;
     this.rendered = wanted;
     const settings = { ...d.settings, ...changesOf(this.source, d.settings) };
     if (settings.planes_per_bin && settings.frustum === "SWEEP") delete settings.pixel_columns;
-    this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
+    this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8, ...(d.targets && { live_targets: true, truth }),
       planes: ["VIDEO", second].filter(Boolean) });
   }
 

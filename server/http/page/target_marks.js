@@ -15,9 +15,10 @@ const LEAST_SPEED_MPS = 0.3; // with a leader
 
 /** @typedef {import("./ppi.js").Ppi} Ppi @typedef {import("./truth.js").TargetRecord} TargetRecord */
 
-/** Whether a place lies on the picture: on a B-scope within its axes. @param {Ppi} ppi */
+/** Whether a place lies on the picture: on a B-scope within its axes. */
+const edges = (ppi) => (ppi.look.bscope ? ppi.box : { left: 0, right: ppi.width, top: 0, bottom: ppi.height });
 function isOn(ppi, [x, y]) {
-  const { left, right, top, bottom } = ppi.look.bscope ? ppi.box : { left: 0, right: ppi.width, top: 0, bottom: ppi.height };
+  const { left, right, top, bottom } = edges(ppi);
   return x >= left && x <= right && y >= top && y <= bottom;
 }
 
@@ -154,6 +155,7 @@ function names(ppi, c, shown, targets) {
   const taken = shown.map(({ at: [x, y] }) => ({ left: x - SIDE_PX, right: x + SIDE_PX, top: y - SIDE_PX, bottom: y + SIDE_PX }));
   const meets = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
   const order = [...shown].sort((a, b) => (b.record.id === targets.chosen) - (a.record.id === targets.chosen));
+  const { left, right } = edges(ppi);
   c.textAlign = "left";
   c.textBaseline = "middle";
   for (const { record, at: [x, y] } of order) {
@@ -161,8 +163,8 @@ function names(ppi, c, shown, targets) {
     const width = c.measureText(text).width;
     const off = SIDE_PX + 7;
     const places = [[x + off, y - 9], [x + off, y + 9], [x - off - width, y - 9], [x - off - width, y + 9], [x - width / 2, y - off - 8], [x - width / 2, y + off + 8]];
-    const box = places.map(([left, middle]) => ({ left: left - 3, right: left + width + 3, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: [left, middle] }))
-      .find((one) => one.left > 0 && one.right < ppi.width && !taken.some((other) => meets(one, other)));
+    const box = places.map(([x0, middle]) => ({ left: x0 - 3, right: x0 + width + 3, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: [x0, middle] }))
+      .find((one) => one.left > left && one.right < right && !taken.some((other) => meets(one, other)));
     if (!box) continue;
     taken.push(box);
     c.fillStyle = PLATE;

@@ -19,7 +19,7 @@ const FALL = 0.3; // and fast downwards
 const SPREAD_PART = 0.2;
 const FIRST_SPREAD_DB = 8; // until it is known
 const STEP_MS = 200; // between looks at what is shown
-const FAINTEST = 0.12;
+const FAINTEST = 0.3;
 const NEVER = -1e9;
 const MINUTE_MS = 60000;
 
@@ -169,12 +169,15 @@ export class Trails {
         const value = bins.video[binOf[k]];
         newest[cell] = value;
         if (usual[cell] < 0) {
-          [usual[cell], spread[cell]] = [value, first];
+          usual[cell] = value;
+          spread[cell] = first;
           continue;
         }
         const above = value - usual[cell];
-        if (above > out && above > OUT_SPREADS * spread[cell]) [stamps[cell], peaks[cell]] = [stamp, value];
-        else spread[cell] += SPREAD_PART * (Math.abs(above) - spread[cell]);
+        if (above > out && above > OUT_SPREADS * spread[cell]) {
+          stamps[cell] = stamp;
+          peaks[cell] = value;
+        } else spread[cell] += SPREAD_PART * (Math.abs(above) - spread[cell]);
         usual[cell] += above * (above > 0 ? RISE : FALL);
       }
     }
