@@ -10,7 +10,7 @@ const SEEN = "#8fdcff";
 const DIM = "rgba(143, 180, 205, 0.62)";
 const CHOSEN = "#ffffff";
 const HALO = "rgba(7, 11, 14, 0.85)";
-const PLATE = "rgba(7, 11, 14, 0.66)"; // below a name
+const PLATE = "rgba(7, 11, 14, 0.78)"; // below a name
 const LEAST_SPEED_MPS = 0.3; // with a leader
 
 /** @typedef {import("./ppi.js").Ppi} Ppi @typedef {import("./truth.js").TargetRecord} TargetRecord */
@@ -55,7 +55,7 @@ export function drawTargets(ppi, c, targets) {
   const chosen = shown.find(({ record }) => record.id === targets.chosen);
   c.save();
   c.lineJoin = "round";
-  if (chosen) route(ppi, c, chosen, targets.pointsAhead(chosen.record.id));
+  if (chosen) route(ppi, c, chosen, targets.pointsAhead(chosen.record.id), targets.loops(chosen.record.id));
   for (const one of shown) leader(ppi, c, one, targets);
   for (const { record, at } of shown) mark(c, at, record, record.id === targets.chosen);
   names(ppi, c, shown, targets);
@@ -135,14 +135,15 @@ function leader(ppi, c, { record, at }, targets) {
   lines(c, record.share > 0 ? SEEN : DIM, [at, end]);
 }
 
-/** @param {{latitude_deg: number, longitude_deg: number}[]} points still ahead; the first again behind the last of a loop */
-function route(ppi, c, { record, at }, points) {
+/** @param {{latitude_deg: number, longitude_deg: number}[]} points still ahead @param {boolean} loops back to its first place, near where it is */
+function route(ppi, c, { record, at }, points, loops) {
   if (!points.length) return;
   const pixels = points.map(({ latitude_deg, longitude_deg }) => {
     const there = measured(ppi.bins.placement, latitude_deg, longitude_deg, record.height_m);
     return ppi.screenOf(there.bearing_deg, there.range_m);
   });
-  lines(c, SEEN, [at, ...pixels], [2, 4]);
+  lines(c, SEEN, [at, ...pixels], [6, 3]);
+  if (loops) lines(c, DIM, [pixels.at(-1), at], [2, 4]);
   for (const [x, y] of pixels) {
     c.beginPath();
     c.arc(x, y, 2.5, 0, 2 * Math.PI);
@@ -161,7 +162,7 @@ function names(ppi, c, shown, targets) {
   for (const { record, at: [x, y] } of order) {
     const text = targets.nameOf(record.id);
     const width = c.measureText(text).width;
-    const off = SIDE_PX + 7;
+    const off = SIDE_PX + (record.id === targets.chosen ? 11 : 7);
     const places = [[x + off, y - 9], [x + off, y + 9], [x - off - width, y - 9], [x - off - width, y + 9], [x - width / 2, y - off - 8], [x - width / 2, y + off + 8]];
     const box = places.map(([x0, middle]) => ({ left: x0 - 3, right: x0 + width + 3, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: [x0, middle] }))
       .find((one) => one.left > left && one.right < right && !taken.some((other) => meets(one, other)));

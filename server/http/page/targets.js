@@ -164,6 +164,10 @@ export class Targets {
     return target?.route ? pointsAhead(target, this.ageOf(target), here) : [];
   }
 
+  loops(id) {
+    return Boolean(this.list.get(id)?.route?.loops);
+  }
+
   choose(id) {
     this.chosen = id;
     for (const { ppi } of this.app.panes) ppi.needs.marks = true;
