@@ -14,25 +14,25 @@ const TAB = `<button role="tab" id="tab-targets" aria-controls="targets" aria-se
 const MARKUP = `
 <div class="row"><span class="name">Targets</span><button id="targets-on" aria-pressed="false"
  title="Marks of all targets, as the server knows them: filled, half or hollow as they are seen; lines to where they will be in a minute">show</button>
- <span class="choice push"><button id="targets-set" aria-pressed="false">Set targets</button></span></div>
+ <span class="choice push"><button id="targets-set" aria-pressed="false" title="Only one client at a time sets targets">Set targets</button></span></div>
 <p class="refusal" id="targets-refusal" role="alert"></p>
 <p class="hint" id="targets-hint"></p>
 <form id="target-form" class="fields" hidden autocomplete="off">
- <label class="field"><span class="name">name</span><input name="name" maxlength="64"><span class="unit"></span></label>
- <label class="field"><span class="name">type</span><select name="type"></select><span class="unit"></span></label>
+ <label class="field"><span class="name">name</span><input name="name" maxlength="64" title="As marks and lists call it"><span class="unit"></span></label>
+ <label class="field"><span class="name">type</span><select name="type" title="A type of the scene: its cross section, fluctuation and size"></select><span class="unit"></span></label>
  <label class="field"><span class="name">RCS</span><input name="rcs_dbsm" inputmode="decimal" title="Without one: that of its type"><span class="unit">dBsm</span></label>
- <label class="field"><span class="name">speed</span><input name="speed" inputmode="decimal" value="20"><span class="unit">kt</span></label>
- <label class="field"><span class="name">course</span><input name="course" inputmode="decimal" value="0"><span class="unit">deg</span></label>
- <label class="field"><span class="name">height above ground</span><input name="height_m" inputmode="decimal" value="0"><span class="unit">m</span></label>
- <span class="choice"><button class="call">Add</button><button type="button" id="target-cancel">Cancel</button></span>
+ <label class="field"><span class="name">speed</span><input name="speed" inputmode="decimal" value="20" title="Over the ground"><span class="unit">kt</span></label>
+ <label class="field"><span class="name">course</span><input name="course" inputmode="decimal" value="0" title="Clockwise from true north"><span class="unit">deg</span></label>
+ <label class="field"><span class="name">height above ground</span><input name="height_m" inputmode="decimal" value="0" title="Of its foot"><span class="unit">m</span></label>
+ <span class="choice"><button class="call" title="A target where the picture was clicked (Enter)">Add</button><button type="button" id="target-cancel" title="No new target (Esc)">Cancel</button></span>
 </form>
 <div id="target-chosen" hidden>
  <dl class="mono facts"></dl>
  <div class="row" id="target-route"><span class="name">Route</span>
-  <label title="From the last point back to the first place, and so on"><input type="checkbox" id="route-loops"> loops</label>
+  <label title="From the last point back to the first place, and so on"><input type="checkbox" id="route-loops" title="From the last point back to the first place, and so on"> loops</label>
   <input id="route-speed" class="mono" inputmode="decimal" aria-label="Speed on the route, kt" title="Speed on the way to points that you append; of a route that is there, on all of it"><span class="unit">kt</span>
   <button id="route-end" title="It stops where it is">end</button></div>
- <button id="target-remove" title="Delete">Delete target</button>
+ <button id="target-remove" title="The chosen target goes (Delete)">Delete target</button>
 </div>
 <div id="target-list" role="listbox" aria-label="Targets"></div>`;
 

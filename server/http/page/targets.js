@@ -36,6 +36,7 @@ export class Targets {
     this.chosen = "";
     this.dragged = this.fresh = null; // where one is dragged to, where a new one is to be
     this.version = "";
+    this.isRefused = false; // the list: a recording has none
     this.read_ms = -Infinity;
     this.#equip();
     this.show();
@@ -102,7 +103,7 @@ export class Targets {
   }
 
   async poll() {
-    if (!this.isOn || document.hidden || this.isAsking) return;
+    if (!this.isOn || this.isRefused || document.hidden || this.isAsking) return;
     this.isAsking = true;
     this.read_ms = performance.now();
     try {
@@ -117,7 +118,7 @@ export class Targets {
       }
       this.#keep(list, first);
     } catch (error) {
-      if (error instanceof Refused) this.refusal = refusalText(error);
+      if (error instanceof Refused) [this.refusal, this.isRefused] = [refusalText(error), true];
     }
     this.isAsking = false;
     this.show();

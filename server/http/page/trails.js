@@ -11,7 +11,7 @@ import { packed } from "./palettes.js";
 export const TRAIL_MINUTES = [0, 0.25, 0.5, 1, 2, 3, 6];
 const CELLS = 1024; // a side
 const REACH = 1.25; // of the grid, times the greatest range: the antenna may move so far before it follows
-const OUT_DB = 12; // an echo that stands out is at least so much above what is usual in its cell,
+const OUT_DB = 9; // an echo that stands out is at least so much above what is usual in its cell,
 const OUT_SPREADS = 3.5; // and so many times what that varies by
 const GONE_DB = 6; // below what stood out: it is no longer there
 const RISE = 0.04; // of the difference, a look: what is usual follows slowly upwards,
