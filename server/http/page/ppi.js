@@ -39,6 +39,8 @@ const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
  * @property {import("./targets.js").Targets} targets
  */
 
+/** In the page's pixels. @typedef {{left: number, right: number, top: number, bottom: number}} Box */
+
 export class Ppi {
   /**
    * @param {HTMLElement} element
@@ -69,6 +71,8 @@ export class Ppi {
     this.draws = 0;
     this.times = { draw_ms: 0, table_ms: 0 };
     this.handle = false; // whether the centre bearing can be dragged
+    /** Of the grid. @type {Box[]} */
+    this.words = [];
     /** Where targets are; null: not shown. @type {import("./truth.js").Truth|null} */
     this.truth = null;
     this.needs = { table: true, grid: true, marks: true, all: true };

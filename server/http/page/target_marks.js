@@ -5,9 +5,11 @@ import { measured, soon } from "./truth.js";
 const SIDE_PX = 6; // from a mark's middle to its corners
 const NEAR_PX = 12;
 const MOST_DRAWN = 600;
+const MOST_NAMES = 120;
+const CORNERS_MS = 1000; // between looks at the words in the picture's corners
 const LINE_PX = 14;
 const SEEN = "#8fdcff";
-const DIM = "rgba(143, 180, 205, 0.62)";
+const DIM = "rgba(143, 180, 205, 0.75)";
 const CHOSEN = "#ffffff";
 const HALO = "rgba(7, 11, 14, 0.85)";
 const PLATE = "rgba(7, 11, 14, 0.78)"; // below a name
@@ -92,19 +94,24 @@ function outline(c, colour, dashes = []) {
   c.setLineDash([]);
 }
 
-/** Filled as far as it is seen: all, its lower half, nothing. */
-function mark(c, [x, y], { share }, isChosen) {
-  const colour = share > 0 ? SEEN : DIM;
-  diamond(c, [x, y], SIDE_PX);
+const isIn = ({ azimuth_bin, range_bin }) => azimuth_bin >= 0 && range_bin >= 0;
+const colourOf = (record) => (isIn(record) && record.share > 0 ? SEEN : DIM);
+
+/** Filled as far as it is seen: all, its lower half, nothing. One beside sector and swath is small. */
+function mark(c, [x, y], record, isChosen) {
+  const { share } = record;
+  const colour = colourOf(record);
+  const side = isIn(record) ? SIDE_PX : SIDE_PX - 2;
+  diamond(c, [x, y], side);
   outline(c, colour);
-  if (share > 0) {
+  if (share > 0 && isIn(record)) {
     c.fillStyle = colour;
-    if (share >= 0.999) diamond(c, [x, y], SIDE_PX - 1);
+    if (share >= 0.999) diamond(c, [x, y], side - 1);
     else {
       c.beginPath();
-      c.moveTo(x - SIDE_PX, y);
-      c.lineTo(x, y + SIDE_PX);
-      c.lineTo(x + SIDE_PX, y);
+      c.moveTo(x - side, y);
+      c.lineTo(x, y + side);
+      c.lineTo(x + side, y);
     }
     c.fill();
   }
@@ -132,7 +139,7 @@ function leader(ppi, c, { record, at }, targets) {
   const there = soon(ppi.bins.placement, record, velocity);
   const end = ppi.screenOf(there.bearing_deg, there.range_m);
   if (ppi.look.bscope && !isOn(ppi, end)) return;
-  lines(c, record.share > 0 ? SEEN : DIM, [at, end]);
+  lines(c, colourOf(record), [at, end]);
 }
 
 /** @param {{latitude_deg: number, longitude_deg: number}[]} points still ahead @param {boolean} loops back to its first place, near where it is */
@@ -151,12 +158,28 @@ function route(ppi, c, { record, at }, points, loops) {
   }
 }
 
-/** Beside their marks, where no other name and no mark stands. */
+const corners = new WeakMap(); // of a picture: where its corners have words
+
+/** @param {Ppi} ppi @returns {import("./ppi.js").Box[]} */
+function cornersOf({ element, look }) {
+  const now = performance.now();
+  const known = corners.get(element);
+  if (known && now - known.at_ms < CORNERS_MS) return known.boxes;
+  const own = element.getBoundingClientRect();
+  const boxes = [...element.parentElement.querySelectorAll(".annun, .pick, .about")].map((one) => one.getBoundingClientRect()).filter(({ width }) => width).map((box) => (
+    { left: (box.left - own.left) / look.px, right: (box.right - own.left) / look.px, top: (box.top - own.top) / look.px, bottom: (box.bottom - own.top) / look.px }));
+  corners.set(element, { boxes, at_ms: now });
+  return boxes;
+}
+
+/** Beside their marks, where no other word and no mark stands; the chosen one's first, then those that the radar looks at. */
 function names(ppi, c, shown, targets) {
   const taken = shown.map(({ at: [x, y] }) => ({ left: x - SIDE_PX, right: x + SIDE_PX, top: y - SIDE_PX, bottom: y + SIDE_PX }));
+  taken.push(...ppi.words, ...cornersOf(ppi));
   const meets = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-  const order = [...shown].sort((a, b) => (b.record.id === targets.chosen) - (a.record.id === targets.chosen));
-  const { left, right } = edges(ppi);
+  const rank = ({ record }) => (record.id === targets.chosen ? 2 : isIn(record) ? 1 : 0);
+  const order = [...shown].sort((a, b) => rank(b) - rank(a)).slice(0, MOST_NAMES);
+  const { left, right, top, bottom } = edges(ppi);
   c.textAlign = "left";
   c.textBaseline = "middle";
   for (const { record, at: [x, y] } of order) {
@@ -165,12 +188,12 @@ function names(ppi, c, shown, targets) {
     const off = SIDE_PX + (record.id === targets.chosen ? 11 : 7);
     const places = [[x + off, y - 9], [x + off, y + 9], [x - off - width, y - 9], [x - off - width, y + 9], [x - width / 2, y - off - 8], [x - width / 2, y + off + 8]];
     const box = places.map(([x0, middle]) => ({ left: x0 - 3, right: x0 + width + 3, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: [x0, middle] }))
-      .find((one) => one.left > left && one.right < right && !taken.some((other) => meets(one, other)));
+      .find((one) => one.left > left && one.right < right && one.top > top && one.bottom < bottom && !taken.some((other) => meets(one, other)));
     if (!box) continue;
     taken.push(box);
     c.fillStyle = PLATE;
     c.fillRect(box.left, box.top, box.right - box.left, box.bottom - box.top);
-    c.fillStyle = record.id === targets.chosen ? CHOSEN : record.share > 0 ? SEEN : DIM;
+    c.fillStyle = record.id === targets.chosen ? CHOSEN : colourOf(record);
     c.fillText(text, ...box.at);
   }
 }

@@ -222,7 +222,7 @@ export class TargetPanel {
     if (record) {
       const echo = record.snr_dB <= -199 ? "none" : `${record.snr_dB.toFixed(1)} ${record.isPower ? "dBW" : "dB over noise"}`;
       facts.push(["Echo", echo], ["Seen", record.share >= 0.999 ? "all of it" : `${(100 * record.share).toFixed(0)} %${record.hiddenBy ? `, ${record.hiddenBy}` : ""}`]);
-    } else facts.push(["Seen", "not in this picture"]);
+    } else facts.push(["Seen", "not by this radar"]);
     return facts;
   }
 
@@ -233,7 +233,7 @@ export class TargetPanel {
     const all = targets.isOn ? [...targets.list.values()] : [];
     const rows = all.slice(0, MOST_LISTED).map((target) => {
       const record = ppi.truth?.records.get(target.id);
-      return { id: target.id, name: targets.nameOf(target.id), share: record?.share ?? -1,
+      return { id: target.id, name: targets.nameOf(target.id), share: record && record.azimuth_bin >= 0 && record.range_bin >= 0 ? record.share : -1,
         at: record ? `${String(Math.round(turned(record.bearing_deg)) % 360).padStart(3, "0")}° ${(record.range_m / UNIT_M[app.look.unit]).toFixed(1)} ${app.look.unit}` : "–" };
     });
     const list = $("target-list");
@@ -247,7 +247,7 @@ export class TargetPanel {
       const item = list.children[k];
       item.setAttribute("aria-selected", String(id === targets.chosen));
       item.dataset.seen = share < 0 ? "out" : share === 0 ? "no" : share < 0.999 ? "part" : "all";
-      item.title = { out: "not in this picture", no: "hidden", part: "seen in part", all: "seen" }[item.dataset.seen];
+      item.title = { out: "beside what the radar looks at", no: "hidden", part: "seen in part", all: "seen" }[item.dataset.seen];
       for (const [n, words] of [name, at].entries()) if (item.children[n].textContent !== words) item.children[n].textContent = words;
     }
   }

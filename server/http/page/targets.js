@@ -11,6 +11,8 @@ import { refusalText } from "./form.js";
 
 const POLL_MS = 2000;
 const SOON_MS = 500; // between lists, where an unknown target comes
+const MANY = 100; // targets, whose marks take their time:
+const MANY_MS = 200; // they are drawn less often
 const CLAIM = ["TARGETS_CLAIM"];
 const TAKEN = 102; // number of an Error
 const NOT_CLAIMED = 103;
@@ -87,8 +89,12 @@ export class Targets {
   take(pane, { body, plane }) {
     const { ppi, bins } = pane;
     if (!ppi.truth) return;
-    ppi.truth.take(body, plane, Boolean(bins.scan) && !pane.isRendered, performance.now());
-    ppi.needs.marks = true;
+    const now_ms = performance.now();
+    ppi.truth.take(body, plane, Boolean(bins.scan) && !pane.isRendered, now_ms);
+    if (now_ms - (ppi.marked_ms ?? 0) > (ppi.truth.records.size > MANY ? MANY_MS : 0)) {
+      ppi.needs.marks = true;
+      ppi.marked_ms = now_ms;
+    }
     const isUnknown = [...ppi.truth.records.keys()].some((id) => !this.list.has(id));
     if (isUnknown && performance.now() - this.read_ms > SOON_MS) this.poll();
   }

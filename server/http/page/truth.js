@@ -20,6 +20,7 @@ const LEADER_S = 60;
  * @property {boolean} isPower snr_dB is the echo's power in dBW
  * @property {number} share seen, 0 to 1
  * @property {number} azimuth_bin that holds it; -1: none
+ * @property {number} range_bin likewise
  * @property {string} hiddenBy in words
  */
 
@@ -34,7 +35,7 @@ export function targetRecords(body, plane) {
     return {
       id: String(view.getBigUint64(at, true)),
       latitude_deg: double(8), longitude_deg: double(16), height_m: double(24), bearing_deg: double(32), range_m: double(40),
-      snr_dB: float(56), share: float(64), azimuth_bin: view.getInt32(at + 68, true),
+      snr_dB: float(56), share: float(64), azimuth_bin: view.getInt32(at + 68, true), range_bin: view.getInt32(at + 72, true),
       hiddenBy: HIDDEN_BY[view.getUint8(at + 76)] ?? "", isPower: view.getUint8(at + 77) !== 0,
     };
   });
