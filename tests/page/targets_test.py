@@ -1,6 +1,6 @@
 """Targets on the page: who may see them, where their marks are, what is set by hand."""
-import pathlib
 import os
+import pathlib
 import tempfile
 import unittest
 

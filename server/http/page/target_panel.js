@@ -23,7 +23,7 @@ const MARKUP = `
  <label class="field"><span class="name">RCS</span><input name="rcs_dbsm" inputmode="decimal" title="Without one: that of its type"><span class="unit">dBsm</span></label>
  <label class="field"><span class="name">speed</span><input name="speed" inputmode="decimal" value="20" title="Over the ground"><span class="unit">kt</span></label>
  <label class="field"><span class="name">course</span><input name="course" inputmode="decimal" value="0" title="Clockwise from true north"><span class="unit">deg</span></label>
- <label class="field"><span class="name">height above ground</span><input name="height_m" inputmode="decimal" value="0" title="Of its foot"><span class="unit">m</span></label>
+ <label class="field"><span class="name">height</span><input name="height_m" inputmode="decimal" value="0" title="Of its foot, above ground"><span class="unit">m AGL</span></label>
  <span class="choice"><button class="call" title="A target where the picture was clicked (Enter)">Add</button><button type="button" id="target-cancel" title="No new target (Esc)">Cancel</button></span>
 </form>
 <div id="target-chosen" hidden>
@@ -45,7 +45,7 @@ function typed(text, name) {
   return value;
 }
 
-const knots = (mps) => +(mps / KNOT_MPS).toPrecision(4);
+const knots = (mps) => +(mps / KNOT_MPS).toPrecision(3);
 
 export class TargetPanel {
   /** @param {import("./targets.js").Targets} targets */
@@ -125,7 +125,7 @@ export class TargetPanel {
     return {
       name: name.value.trim(), ...(type.value && { type: type.value }), ...(rcs_dbsm.value.trim() && { rcs_dbsm: typed(rcs_dbsm.value, "RCS") }),
       velocity_north_m_s: speed_m_s * Math.cos(course_rad), velocity_east_m_s: speed_m_s * Math.sin(course_rad),
-      height_m: typed(height_m.value, "height above ground"),
+      height_m: typed(height_m.value, "height"),
     };
   }
 
