@@ -151,6 +151,8 @@ class Targets(unittest.TestCase):
                 self.assertEqual(self.page.script("return obliq.panes[0].ppi.truth !== null"), may)
                 self.assertEqual(self.page.script("return [...document.querySelectorAll('#key-table td')].some((cell) => cell.textContent === 'Delete')"), may)
                 self.assertEqual(self.page.script("return obliq.tab"), "targets" if may else "view")
+                self.page.script("const s = document.getElementById('trails'); s.value = '3'; s.onchange()")
+                self.page.await_script("document.querySelectorAll('.trails').length === 1", "trails, for everyone")
 
     def test_the_switch_asks_for_truth_and_ends_it(self):
         self.show("a=main")
