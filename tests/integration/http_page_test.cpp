@@ -86,7 +86,7 @@ TEST_F(HttpPageTest, EveryFileOfTheFolderIsServedWithItsTypeAndAllAreSmall) {
     ++files;
   }
   EXPECT_GE(files, 1);
-  EXPECT_LE(bytes, 250'000u) << "all of the page";
+  EXPECT_LE(bytes, 260'000u) << "all of the page";
   EXPECT_EQ(http_get(port(), "/").body, text_of(kPage / "index.html"));
   EXPECT_EQ(http_get(port(), "/index.htm").status, 404);
   EXPECT_EQ(http_get(port(), "/../http_server.h").status, 404);

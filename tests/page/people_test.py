@@ -50,7 +50,7 @@ class People(unittest.TestCase):
     def test_sizes_without_scroll_bars(self):
         for size, (width, height, _) in SIZES.items():
             for panes in (1, 2):
-                for tab in ("view", "radar", "setup"):
+                for tab in ("view", "radar", "setup", "targets"):
                     with self.subTest(size=size, panes=panes, tab=tab):
                         self.show(f"a=main&overlay=1&panes={panes}&tab={tab}", size)
                         self.page.await_script(f"obliq.panes.length === {panes} && obliq.panes[0].ppi.draws > 2", "the panes")
@@ -145,8 +145,9 @@ class People(unittest.TestCase):
         self.assertEqual(nameless, [])
 
     def test_contrast(self):
-        for tab in ("view", "radar", "setup"):
+        for tab in ("view", "radar", "setup", "targets"):
             self.show(f"a=main&tab={tab}&overlay=1")
+            self.page.await_script(f"obliq.tab === '{tab}'", "the tab")
             self.assertEqual(self.page.script(CONTRAST), [], f"texts with less than 4.5:1 in {tab}")
 
     def test_the_console_is_silent_and_nothing_comes_from_elsewhere(self):

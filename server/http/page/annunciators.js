@@ -59,6 +59,7 @@ export class Annunciators {
     this.#put(this.upperLeft, [
       `RNG ${rangeText(placement.rMax_m, look.unit)}${look.rings && ringStep ? `  RINGS ${+ringStep.step.toPrecision(4)}` : ""}`,
       [modeText(s, pane), stops].filter(Boolean).join("  "),
+      ...(look.trails ? [`TRAILS ${look.trails} min ${look.relative ? "R" : "T"}`] : []),
     ]);
     this.#put(this.upperRight, [
       `${UP_WORDS[up]}  ${up === "north" ? "T" : "R"}`,

@@ -3,6 +3,7 @@
 import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./palettes.js";
 import { UPS } from "./heading.js";
 import { LABEL_PLANES, labelLegend } from "./labels.js";
+import { TRAIL_MINUTES } from "./trails.js";
 import { UNIT_M } from "./grid.js";
 import { hasReceiver } from "./levels.js";
 import { turned } from "./placement.js";
@@ -13,6 +14,7 @@ const $ = (id) => document.getElementById(id);
 export const DEFAULTS = {
   palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1, up: "auto", slant: false, unit: "km",
   rings: true, overlay: false, label: "", bscope: false, profile: false, size: 1, expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30,
+  targets: false, trails: 0, relative: false,
 };
 
 export function readFragment() {
@@ -27,6 +29,7 @@ export function readFragment() {
   if (!["km", "NM"].includes(found.unit)) found.unit = DEFAULTS.unit;
   if (!LABEL_PLANES.includes(found.label)) found.label = DEFAULTS.label;
   if (!UPS.includes(found.up)) found.up = DEFAULTS.up;
+  if (!TRAIL_MINUTES.includes(found.trails)) found.trails = DEFAULTS.trails;
   found.size = Math.min(2, Math.max(0.7, found.size));
   found.rate = Math.max(0.1, found.rate);
   return found;
@@ -79,6 +82,10 @@ export class Display {
     };
     $("profile").onclick = () => this.set({ profile: !look.profile });
     $("bscope").onclick = () => this.set({ bscope: !look.bscope });
+    $("trails").append(...TRAIL_MINUTES.map((minutes) => new Option(minutes ? `${minutes} min` : "off", String(minutes))));
+    $("trails").onchange = () => this.set({ trails: Number($("trails").value) });
+    $("trails-true").onclick = () => this.set({ relative: false });
+    $("trails-relative").onclick = () => this.set({ relative: true });
     $("by-ground").onclick = () => this.set({ slant: false });
     $("by-slant").onclick = () => this.set({ slant: true });
     $("rings").onclick = () => this.set({ rings: !look.rings });
@@ -193,6 +200,9 @@ export class Display {
     press("profile", look.profile);
     $("expert").checked = this.app.kept.expert;
     $("size").value = String(look.size);
+    $("trails").value = String(look.trails);
+    check("trails-true", !look.relative);
+    check("trails-relative", look.relative);
     check("by-ground", !look.slant);
     check("by-slant", look.slant);
     press("rings", look.rings);

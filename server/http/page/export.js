@@ -42,6 +42,7 @@ export function pictureOf(app) {
   for (const pane of panes) {
     const [picture, grid, marks] = pane.ppi.canvases;
     c.drawImage(picture, left, 0, grid.width, grid.height);
+    if (pane.trails.canvas) c.drawImage(pane.trails.canvas, left, 0, grid.width, grid.height);
     c.drawImage(grid, left, 0);
     c.drawImage(marks, left, 0);
     c.save();

@@ -16,8 +16,18 @@ const FEWEST_RINGS = 4;
 const MOST_RINGS = 6;
 const RING_STEPS = [1, 2, 5, 2.5, 4, 3, 1.5, 8, 6]; // times a power of ten, the roundest first
 
+/** Where the drawing at hand has words, for what is written later. @type {import("./ppi.js").Box[]} */
+let written = [];
+
+function keepFree(left, right, top, bottom) {
+  written.push({ left, right, top, bottom });
+}
+
 /** Words that can be read on any picture. */
 function write(c, text, x, y) {
+  const width = c.measureText(text).width;
+  const left = x - { left: 0, center: 0.5, right: 1 }[c.textAlign] * width;
+  keepFree(left, left + width, y - 7, y + 7);
   c.strokeStyle = HALO;
   c.lineWidth = 3;
   c.strokeText(text, x, y);
@@ -48,6 +58,8 @@ function begin(ppi) {
   c.font = FONT;
   c.lineWidth = 1;
   c.textBaseline = "middle";
+  c.textAlign = "left";
+  written = ppi.words = [];
   return c;
 }
 
@@ -262,6 +274,7 @@ function legend(ppi, c) {
     c.fillStyle = `rgb(${r} ${g} ${b})`;
     c.fillRect(x, y + k, width, 1.5);
   }
+  keepFree(x - 30, x + width, y - 20, y + height + 7);
   c.strokeStyle = EDGE;
   c.strokeRect(x - 0.5, y - 0.5, width + 1, height + 1);
   const { low_dB, span_dB } = ppi.bins.scale;

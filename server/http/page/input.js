@@ -3,6 +3,7 @@
 import { PALETTES } from "./palettes.js";
 import { UPS } from "./heading.js";
 import { lineAt } from "./lines.js";
+import { targetAt } from "./target_marks.js";
 import { turned } from "./placement.js";
 
 const LONG_PRESS_MS = 450;
@@ -70,9 +71,10 @@ function press(app, key) {
     s: () => app.save(), p: () => app.setPanes(app.panes.length === 1 ? 2 : 1),
     k: () => !controls.claim.disabled && controls.toggleControl(),
     t: () => controls.isMine && controls.toggleState("transmit"), z: () => controls.isMine && controls.toggleState("freeze"),
-    d: () => controls.tab({ view: "radar", radar: "setup", setup: "view" }[app.tab]),
+    d: () => controls.nextTab(),
+    Delete: app.targets.holds && app.targets.chosen ? () => app.targets.remove() : null,
     " ": app.debrief.state ? () => app.debrief.togglePause() : null,
-    Escape: () => app.clearMarks(), "?": () => app.showKeys(),
+    Escape: () => (app.targets.cancel(), app.clearMarks()), "?": () => app.showKeys(),
   }[key.length === 1 ? key.toLowerCase() : key];
   if (does) does();
   return Boolean(does);
@@ -86,7 +88,7 @@ export function listenPointer(app, pane) {
   const { ppi } = pane;
   const { element } = ppi;
   const down = new Map(); // pointers by id: [x, y]
-  let drag = null; // what moves: "pan", "cursor", "bearing", a line as lineAt() names it
+  let drag = null; // what moves: "pan", "cursor", "bearing", a line as lineAt() names it, { target: its id }
   let moved = 0;
   let pressTimer = 0;
   let posed_ms = 0;
@@ -99,7 +101,8 @@ export function listenPointer(app, pane) {
   const bearingAt = (x, y) => turned(ppi.read(ppi.fromScreen(x, y)).bearing_deg);
   const grabbed = (x, y) => {
     if (ppi.handle && near(x, y, ppi.handleAt)) return "bearing";
-    return lineAt(ppi, x, y) ?? "pan";
+    const target = targetAt(ppi, x, y);
+    return target === null ? lineAt(ppi, x, y) ?? "pan" : { target };
   };
   const spread = () => {
     const [[x0, y0], [x1, y1]] = [...down.values()];
@@ -150,7 +153,9 @@ export function listenPointer(app, pane) {
       }
     } else if (Array.isArray(drag)) {
       app.placeLine(drag, pane, x, y);
-    } else if (drag === "pan" && moved > STILL_PX) {
+    } else if (drag?.target && app.targets.holds) {
+      if (moved > STILL_PX) app.targets.drag(pane, drag.target, x, y);
+    } else if ((drag === "pan" || drag?.target) && moved > STILL_PX) {
       ppi.pan(x - was[0], y - was[1]);
       app.change({});
     }
@@ -162,8 +167,16 @@ export function listenPointer(app, pane) {
     const [x, y] = at(event);
     if (drag === "bearing" && event.type === "pointerup") app.setBearing(bearingAt(x, y));
     if (drag === "bearing") ppi.draggedBearing_deg = undefined;
-    if (drag === "pan" && moved <= STILL_PX && event.type === "pointerup") {
+    const isClick = moved <= STILL_PX && event.type === "pointerup";
+    const id = drag?.target ?? null;
+    if (id !== null && !isClick && app.targets.dragged) {
+      if (event.type === "pointerup") app.targets.drop(pane, id, x, y);
+      else app.targets.cancel();
+    }
+    if (isClick && id !== null) app.targets.click(pane, x, y, { id, isRoutePoint: event.shiftKey && id !== app.targets.chosen });
+    if (isClick && drag === "pan") {
       if (app.look.armed !== null) app.placeLine(app.look.armed, pane, x, y);
+      else if (app.targets.click(pane, x, y, { id: null, isRoutePoint: event.shiftKey })) app.setCursor(null);
       else app.setCursor(ppi.fromScreen(x, y));
     }
     drag = down.size ? "pan" : null;
@@ -172,7 +185,7 @@ export function listenPointer(app, pane) {
   element.addEventListener("pointerup", up);
   element.addEventListener("pointercancel", up);
   element.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && !down.size && element.classList.remove("grab"));
-  element.addEventListener("dblclick", () => app.look.armed === null && app.zoom(0));
+  element.addEventListener("dblclick", () => app.look.armed === null && !app.targets.holds && app.zoom(0));
   element.addEventListener("wheel", (event) => {
     event.preventDefault();
     app.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0016)), ...at(event), pane);

@@ -8,6 +8,7 @@ import { KEYS, listenKeys, listenPointer } from "./input.js";
 import { Link, Refused } from "./stream.js";
 import { Meter, Readout } from "./readout.js";
 import { Pane } from "./pane.js";
+import { Targets } from "./targets.js";
 import { RadarControls } from "./radar.js";
 import { number } from "./messages.js";
 import { savePicture } from "./export.js";
@@ -33,7 +34,7 @@ export class App {
     this.look = {
       palette: kept.palette, compensated: kept.r2,
       afterglow_s: Math.max(0, kept.glow), autoGlow: kept.glow < 0, up: kept.up, slant: kept.slant, unit: kept.unit,
-      rings: kept.rings, overlay: kept.overlay, label: kept.label, bscope: kept.bscope, profile: kept.profile, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
+      rings: kept.rings, overlay: kept.overlay, label: kept.label, bscope: kept.bscope, profile: kept.profile, trails: kept.trails, relative: kept.relative, hold: false, window: null, cursor: null, lines: noLines(), armed: null,
       size: kept.size, px: sizeFor(kept.size),
     };
     applySize(this.look.px);
@@ -51,6 +52,7 @@ export class App {
       welcome: (welcome) => this.welcomed(welcome),
       scales: (scales, unit) => this.controls.offer(scales, unit),
     });
+    this.targets = this.look.targets = new Targets(this);
     this.meter = new Meter();
     this.readout = new Readout();
     this.addPane(`radar ${kept.a}`);
@@ -132,7 +134,7 @@ export class App {
     writeFragment({
       ...levels, palette: look.palette, r2: look.compensated, glow: look.autoGlow ? -1 : look.afterglow_s, up: look.up, slant: look.slant,
       unit: look.unit, rings: look.rings, overlay: look.overlay, label: look.label, bscope: look.bscope, profile: look.profile, size: look.size, expert: this.kept.expert, panes: this.panes.length, tab: this.tab, rate: this.kept.rate,
-      a: this.kept.a, b: this.kept.b,
+      a: this.kept.a, b: this.kept.b, targets: this.targets.isWanted, trails: look.trails, relative: look.relative,
     });
   }
 
@@ -144,6 +146,7 @@ export class App {
     const pane = new Pane($("panes"), this, source, levels);
     pane.element.addEventListener("pointerdown", () => this.activate(pane), true);
     listenPointer(this, pane);
+    this.targets.equip(pane);
     this.panes.push(pane);
     $("panes").dataset.count = String(this.panes.length);
   }
@@ -195,6 +198,7 @@ export class App {
     document.body.dataset.link = state.kind;
     if (state.kind !== "live" && state.kind !== "silent") {
       this.debrief?.forget();
+      this.targets.forget();
       $("role").textContent = "";
       this.streams.clear();
       for (const pane of this.panes) {
@@ -221,6 +225,7 @@ export class App {
     $("role").title = { viewer: "You may watch", controller: "You may set a radar that nobody else controls",
       admin: "You may set any radar" }[welcome.role] ?? "";
     this.fillSources();
+    this.targets.begin(welcome);
     this.subscribed = new Set();
     this.subscribe();
     this.bookmarks.begin(welcome);
@@ -239,7 +244,7 @@ export class App {
     this.withStates = new Set([...wanted].filter((radar) => this.secondPlane(radar)));
     for (const radar of wanted) {
       const planes = ["VIDEO", this.secondPlane(radar)].filter(Boolean);
-      asks.push(link.ask("Subscribe", { radar, rate_hz, planes, video_bits: 8 }).catch((error) => {
+      asks.push(link.ask("Subscribe", { radar, rate_hz, planes, video_bits: 8, ...(this.targets.isOn && { truth: true }) }).catch((error) => {
         for (const pane of this.panes) if (pane.radar === radar) pane.says = error.message;
         throw error;
       }));
@@ -276,6 +281,7 @@ export class App {
     if (type === "ExerciseEvents") this.bookmarks.take(message);
     if (type === "Error") {
       const asked = this.panes.find(({ pending }) => pending && pending === body.request_id);
+      this.targets.heard(body);
       if (asked) asked.refused(new Refused(body));
       else if (number(body.number) === 102) this.tellNews(this.controls.general.textContent = `Control was taken: ${body.text}`);
       else for (const pane of this.panes) if (!body.radar || pane.radar === body.radar) pane.says = body.text;
@@ -463,6 +469,7 @@ export class App {
   tell() {
     if (this.debrief?.state) this.debrief.show();
     this.meter.show(this);
+    this.targets.show();
     this.said = sentences(this);
     const words = $("words");
     const text = this.said.map((sentence) => sentence.text).join(" ");

@@ -1,6 +1,7 @@
 // What moves above a picture: scan line, heading line, centre bearing, cursor; bearing lines and range markers.
 
 import { crossing, drawLines } from "./lines.js";
+import { drawTargets } from "./target_marks.js";
 
 const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 
@@ -26,6 +27,7 @@ export function drawMarks(ppi) {
     stroke(c, "#c9c9c9", ends.map(({ bearing_deg, slant_m }) => ppi.screenOf(bearing_deg, slant_m)));
     c.setLineDash([]);
   }
+  if (ppi.truth) drawTargets(ppi, c, look.targets);
   if (look.cursor) drawCursor(ppi, c, look.cursor);
 }
 

@@ -13,9 +13,10 @@ const NUMBERS = {
   Hello: 1, Welcome: 2, Ack: 3, Error: 4, Heartbeat: 5, ListRadars: 16, RadarList: 17, GetRadar: 18, RadarInfo: 19,
   ClaimControl: 20, ReleaseControl: 21, SetSettings: 22, SetPose: 23, Subscribe: 24, Unsubscribe: 25, RenderOnce: 26,
   GetStatus: 27, Status: 28, SetState: 29, QueryGround: 30, GroundAnswer: 31, SetReplay: 32, ReplayState: 33,
+  SetTargets: 34, GetTargets: 35, TargetList: 36,
   ResetExercise: 37, GetExercise: 38, ExerciseState: 39, LoadExercise: 40, SetExercise: 41,
   GetEvents: 42, ExerciseEvents: 43, AddBookmark: 44,
-  FrameBegin: 48, WedgeBlock: 49, FrameEnd: 50, FrameAbort: 51,
+  FrameBegin: 48, WedgeBlock: 49, FrameEnd: 50, FrameAbort: 51, TargetBlock: 52,
 };
 const NAMES = new Map(Object.entries(NUMBERS).map(([name, number]) => [number, name]));
 

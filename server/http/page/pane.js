@@ -7,9 +7,12 @@ import { Levels } from "./levels.js";
 import { Ppi } from "./ppi.js";
 import { Profile } from "./profile.js";
 import { Scope } from "./scope.js";
+import { Trails } from "./trails.js";
 import { refusalText } from "./form.js";
 import { changesOf } from "./sources.js";
 import { number, utcNow_ms } from "./messages.js";
+
+const TARGETS_MS = 2000; // between frames of a picture that is rendered with moving targets
 
 const MARKUP = `<div class="ppi" tabindex="0" role="application" aria-label="Radar picture"></div>
 <div class="corner source"><select class="pick" title="What this picture shows: a radar, or the first one at another range scale"
@@ -34,6 +37,7 @@ export class Pane {
     this.ppi = new Ppi(this.element.querySelector(".ppi"), this.bins, app.look);
     this.scope = new Scope(this.element.querySelector(".scope"));
     this.profile = new Profile(this.scope.canvas);
+    this.trails = new Trails(this);
     this.annunciators = new Annunciators(this.ppi.element);
     this.banner = this.element.querySelector(".banner");
     this.about = this.element.querySelector(".about");
@@ -72,6 +76,8 @@ export class Pane {
     this.levels.unsettle();
     this.heading?.forget();
     this.newestPose = null;
+    this.ppi?.truth?.clear();
+    this.trails?.clear();
     this.awaits = true; // its first picture
     this.pending = this.rendered = "";
   }
@@ -97,6 +103,8 @@ export class Pane {
       const { debrief, look } = this.app;
       [body, plane] = look.label && body.plane === look.label ? asStates(body, plane, bins.descriptor) : [body, plane];
       bins.block(body, plane, { now_ms, age_ms, utc_ms: debrief.state ? debrief.utcAt_ms(debrief.position_s) : utc_ms });
+    } else if (type === "TargetBlock") {
+      this.app.targets.take(this, { body, plane });
     } else if (type === "FrameEnd") {
       if (bins.end(body)) ppi.refresh();
       this.level(performance.now());
@@ -142,10 +150,11 @@ export class Pane {
     const { bins, ppi } = this;
     const { cursor, hold } = this.app.look;
     const isHeld = !this.app.link.isLive || hold;
-    if (isHeld && !ppi.needs.grid && !ppi.needs.marks && !ppi.needs.table) return;
+    if (isHeld && !ppi.needs.grid && !ppi.needs.marks && !ppi.needs.table) return this.trails.draw(now_ms, true);
     if (!isHeld) this.held_ms = now_ms;
     const hadMarks = ppi.needs.marks;
     const isNew = ppi.draw(now_ms, isHeld ? this.held_ms ?? now_ms : null);
+    this.trails.draw(now_ms, isHeld);
     if (isNew || (hadMarks && !ppi.needs.marks)) {
       if (this.profile.isWanted(this)) this.profile.draw(this);
       else this.scope.draw(bins, this.app.look, cursor && ppi.read(cursor));
@@ -174,12 +183,14 @@ export class Pane {
     const d = first.bins.descriptor;
     if (!this.isRendered || this.pending || !d || !link.isLive || look.hold) return;
     const second = this.app.secondPlane(first.radar);
-    const wanted = JSON.stringify([this.source, d.settings, d.pose, second]);
+    const { isOn: truth } = this.app.targets;
+    const moment = d.targets ? Math.floor(performance.now() / TARGETS_MS) : 0; // they move, where nothing else does
+    const wanted = JSON.stringify([this.source, d.settings, d.pose, second, truth, moment]);
     if (wanted === this.rendered) return;
     this.rendered = wanted;
     const settings = { ...d.settings, ...changesOf(this.source, d.settings) };
     if (settings.planes_per_bin && settings.frustum === "SWEEP") delete settings.pixel_columns;
-    this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8,
+    this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8, ...(d.targets && { live_targets: true, truth }),
       planes: ["VIDEO", second].filter(Boolean) });
   }
 

@@ -175,10 +175,10 @@ export class Placement {
     };
   }
 
-  /** Where a bearing and slant range meet ground of the reference height; ground_m is 0 where they do not. */
-  located(bearing_deg, slant_m) {
+  /** Where a bearing and slant range meet a height, that of the reference; ground_m is 0 where they do not. */
+  located(bearing_deg, slant_m, height_m = this.reference_m) {
     const alpha = bearing_deg * DEGREE + this.north_rad;
-    let y = this.reference_m;
+    let y = height_m;
     let d, x, z;
     let lat, lon, height;
     for (let step = 0; step <= STEPS; ++step) {
@@ -186,7 +186,7 @@ export class Placement {
       x = this.x_m + d * sin(alpha);
       z = this.z_m + d * cos(alpha);
       [lat, lon, height] = this.world.geodetic(x, y, z);
-      y += this.reference_m - height;
+      y += height_m - height;
     }
     return { ground_m: d, latitude_deg: lat, longitude_deg: lon };
   }

@@ -31,10 +31,15 @@ const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
  * @property {boolean} overlay
  * @property {string} label the plane whose labels are shown; empty: none
  * @property {boolean} rings
+ * @property {number} trails minutes; 0: none
+ * @property {boolean} relative trails move with the antenna; else they stay on the earth
  * @property {{right_m: number, ahead_m: number, zoom: number}|null} window null: all of the sector
  * @property {{east_m: number, north_m: number}|null} cursor
  * @property {import("./lines.js").Lines} lines
+ * @property {import("./targets.js").Targets} targets
  */
+
+/** In the page's pixels. @typedef {{left: number, right: number, top: number, bottom: number}} Box */
 
 export class Ppi {
   /**
@@ -66,6 +71,10 @@ export class Ppi {
     this.draws = 0;
     this.times = { draw_ms: 0, table_ms: 0 };
     this.handle = false; // whether the centre bearing can be dragged
+    /** Of the grid. @type {Box[]} */
+    this.words = [];
+    /** Where targets are; null: not shown. @type {import("./truth.js").Truth|null} */
+    this.truth = null;
     this.needs = { table: true, grid: true, marks: true, all: true };
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();

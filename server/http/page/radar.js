@@ -8,7 +8,7 @@ import { turned } from "./placement.js";
 
 const $ = (id) => document.getElementById(id);
 const isSame = (a_m, b_m) => Math.abs(a_m - b_m) < 20;
-const TABS = ["view", "radar", "setup"];
+const tabs = () => [...document.querySelectorAll("nav [role=tab]")].map(({ id }) => id.slice("tab-".length));
 const MOST_EXTENT = 256; // limits of pulse.extent_bins
 const C_MPS = 299792458;
 
@@ -43,20 +43,26 @@ export class RadarControls {
     /** Range scales, in metres. @type {number[]} */
     this.scales_m = [];
     this.scaleUnit = "NM";
-    for (const name of TABS) $(`tab-${name}`).onclick = () => this.tab(name);
+    document.querySelector("nav").onclick = ({ target }) => target.id.startsWith("tab-") && this.tab(target.id.slice("tab-".length));
     document.querySelector("nav").onkeydown = (event) => {
-      const by = { ArrowRight: 1, ArrowLeft: TABS.length - 1 }[event.key];
+      const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
       if (!by) return;
-      this.tab(TABS[(TABS.indexOf(app.tab) + by) % TABS.length]);
+      this.nextTab(by);
       $(`tab-${app.tab}`).focus();
     };
     this.#build();
     this.tab(app.tab);
   }
 
+  nextTab(by = 1) {
+    const all = tabs();
+    this.tab(all.at((all.indexOf(this.app.tab) + by) % all.length));
+  }
+
   tab(name) {
-    this.app.tab = TABS.includes(name) ? name : TABS[0];
-    for (const tab of TABS) {
+    const all = tabs();
+    this.app.tab = all.includes(name) ? name : all[0];
+    for (const tab of all) {
       const on = tab === this.app.tab;
       $(tab).hidden = !on;
       $(`tab-${tab}`).setAttribute("aria-selected", String(on));
