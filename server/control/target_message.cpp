@@ -114,6 +114,7 @@ std::vector<FieldError> merge_message(const wire::Target& message, const std::ve
     const Value value = read_field(row.key, message_field(row.key.name, message), message);
     if (auto error = store(row.key, row.slot(target.target), value)) errors.push_back(std::move(*error));
   }
+  if (message.has_rcs_dbsm()) target.target.size.aspects = nullptr;
   append(errors, validate(target));
   if (errors.empty()) target.lay_route();
   return errors;

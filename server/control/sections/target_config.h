@@ -11,6 +11,7 @@ namespace obliq {
 /// What targets of one kind have in common.
 struct TargetType {
   std::string name;
+  std::string rcs_file;  ///< path of size.aspects; empty: none
   TargetSize size;
 };
 

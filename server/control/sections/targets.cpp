@@ -7,6 +7,8 @@
 #include "server/control/sections/parameter_row.h"
 #include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/special_values.h"
+#include "server/radar/targets/aspect_table.h"
 
 namespace obliq {
 namespace {
@@ -40,6 +42,22 @@ constexpr auto size_rows() {
 }
 
 constexpr std::array kTypeRows = size_rows<Of>();
+
+void read_rcs_file(const FoundKey& found, TargetType& type) {
+  if (found.text() == nullptr) return found.refuse();
+  type.rcs_file = resolved_path(found.node, found.scene.folder);
+}
+
+constexpr std::array kTypeFiles{special<TargetType>(
+    "rcs_file", "", kAny, "path",
+    "CSV with the heading aspect_deg,elevation_deg,rcs_dbsm in place of rcs_dbsm: aspect clockwise from the "
+    "nose, 0 to "
+    "180 alone for both sides; elevation of the radar over the target's level.",
+    read_rcs_file,
+    [](const TargetType& type, const SceneConfig&) {
+      return type.rcs_file.empty() ? std::string() : toml_string(type.rcs_file);
+    },
+    "", Change::restart)};
 
 constexpr std::array kPlaceRows{
     Its::row<&Target::latitude_deg>("latitude_deg", "deg", kLatitude, "Where it is."),
@@ -102,7 +120,7 @@ constexpr std::array kTargetsRows{
 
 const Section kTargetsSection{"targets", {kTargetsRows}};
 
-std::span<const Row<TargetType>> target_type_rows() { return kTypeRows; }
+Keys<TargetType> target_type_keys() { return {kTypeRows, kTypeFiles}; }
 std::span<const Row<Target>> target_rows() { return kRows; }
 std::span<const Row<TargetConfig>> target_config_rows() { return kConfigRows; }
 std::span<const Row<RoutePoint>> route_rows() { return kRouteRows; }
@@ -150,6 +168,24 @@ std::vector<FieldError> validate(const TargetConfig& config) {
   return errors;
 }
 
+namespace {
+
+void load_aspects(SceneReading& scene, const ConfigNode& table, TargetType& type) {
+  if (type.rcs_file.empty()) return;
+  try {
+    type.size.aspects = std::make_shared<const AspectTable>(AspectTable::read(type.rcs_file));
+  } catch (const InputError& error) {
+    scene.complaints.add(table.where + ": target_types." + toml_key(type.name) + ": " + error.what());
+    return;
+  }
+  type.size.rcs_dbsm = type.size.aspects->mean_dbsm();
+  if (type.size.aspects->is_all_positive())
+    scene.config.notes.push_back(
+        type.rcs_file + ": no value is below 0 dB m^2: if they are areas in m^2, write 10 log10 of them");
+}
+
+}  // namespace
+
 void read_target_types(SceneReading& scene) {
   scene.top.one_table("target_types", [&](const ConfigNode& all) {
     for (const ConfigNode& table : all.items) {
@@ -161,8 +197,9 @@ void read_target_types(SceneReading& scene) {
       TargetType type;
       type.name = table.key;
       SectionReader reader(table, full_name, scene.complaints);
-      read_keys<TargetType>(scene, reader, {kTypeRows}, "", type);
+      read_keys<TargetType>(scene, reader, target_type_keys(), "", type);
       reader.finish();
+      load_aspects(scene, table, type);
       scene.config.target_types.push_back(std::move(type));
     }
     std::ranges::sort(scene.config.target_types, {}, &TargetType::name);
@@ -208,6 +245,7 @@ TargetConfig read_target(SceneReading& scene, const ConfigNode& table) {
   read_name(reader, "target.name", config.name);
   read_type(scene, reader, config);
   read_keys<Target>(scene, reader, {kRows}, "", config.target);
+  if (table.find("rcs_dbsm") != nullptr) config.target.size.aspects = nullptr;
   read_route(scene, reader, config);
   reader.demand("name", "a name that no other target has");
   reader.demand("latitude_deg", "a latitude");
@@ -241,14 +279,26 @@ void read_targets(SceneReading& scene) {
   });
 }
 
+namespace {
+
+/// A cross section of its own would take the place of its type's table.
+std::vector<Row<Target>> rows_to_print(const Target& target) {
+  std::vector<Row<Target>> rows(kRows.begin(), kRows.end());
+  if (target.size.aspects)
+    std::erase_if(rows, [](const Row<Target>& row) { return row.key.name == "rcs_dbsm"; });
+  return rows;
+}
+
+}  // namespace
+
 std::string printed_targets(const SceneConfig& config) {
   std::string text;
   for (const TargetType& type : config.target_types)
     text += "\n[target_types." + toml_key(type.name) + "]\n" +
-            printed_keys<TargetType>({kTypeRows}, "", type, config);
+            printed_keys<TargetType>(target_type_keys(), "", type, config);
   for (const TargetConfig& target : config.targets) {
     text += "\n[[target]]\nname = " + toml_string(target.name) + "\ntype = " + toml_string(target.type) +
-            "\n" + printed_keys<Target>({kRows}, "", target.target, config) +
+            "\n" + printed_keys<Target>({rows_to_print(target.target)}, "", target.target, config) +
             printed_keys<TargetConfig>({kConfigRows}, "", target, config);
     for (const RoutePoint& point : target.route.points) {
       text += "\n[[target.route]]\n";

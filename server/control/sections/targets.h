@@ -4,6 +4,7 @@
 #include <string>
 
 #include "server/control/row.h"
+#include "server/control/sections/section.h"
 #include "server/control/sections/target_config.h"
 
 namespace obliq {
@@ -14,7 +15,7 @@ struct Section;
 
 extern const Section kTargetsSection;
 
-std::span<const Row<TargetType>> target_type_rows();
+Keys<TargetType> target_type_keys();
 std::span<const Row<Target>> target_rows();
 std::span<const Row<TargetConfig>> target_config_rows();
 std::span<const Row<RoutePoint>> route_rows();

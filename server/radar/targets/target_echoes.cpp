@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "server/radar/simd/exact_math.h"
+#include "server/radar/targets/aspect_table.h"
 #include "server/radar/targets/seen_share.h"
 #include "server/radar/targets/target_motion.h"
 #include "terrain/base/asking.h"
@@ -89,7 +90,9 @@ void TargetEchoes::see(const Target& target) {
   const double share = seen_share(scene, antenna_m, place->foot_m, target.size.top_m).share;
   if (!(share > 0)) return;
 
-  for (const Scatterer& scatterer : scatterers(target, *place)) add_scatterer(target, scatterer, share);
+  const double rcs_m2 = cross_section(target, *place);
+  for (const Scatterer& scatterer : scatterers(target, *place))
+    add_scatterer(target.id, scatterer, share * scatterer.part * rcs_m2);
 }
 
 std::vector<TargetEchoes::Scatterer> TargetEchoes::scatterers(const Target& target,
@@ -173,14 +176,13 @@ void TargetEchoes::note_truth(const Target& target, double age_s, const TargetPl
   const SeenShare seen = seen_share(plan_.scene(), antenna_m, place.foot_m, target.size.top_m);
   truth.share = seen.share;
   truth.hidden_by = hidden_by(plan_.scene(), antenna_m, place.foot_m, target.size.top_m, seen);
-  double chi = 0;
+  const double rcs_m2 = cross_section(target, place);
   for (const Scatterer& scatterer : scatterers(target, place)) {
     const double drawn = scatterer.part * std::norm(scatterer.drawn);
-    chi += drawn;
+    truth.rcs_m2 += drawn * rcs_m2;
     const double range_m = std::max(glm::length(scatterer.at_m - antenna_m), kLeastRange_m);
-    truth.power_w += drawn * power_w(target, scatterer.at_m, range_m, seen.share);
+    truth.power_w += power_w(scatterer.at_m, range_m, drawn * seen.share * rcs_m2);
   }
-  truth.rcs_m2 = chi * std::pow(10.0, target.size.rcs_dbsm / 10);
   truth_.push_back(truth);
 }
 
@@ -217,22 +219,33 @@ double TargetEchoes::elevation_rad(const glm::dvec3& at_m, double range_m) const
       table.rise() * (sine + (lean.lean_x * way_m.x + lean.lean_z * way_m.z) / range_m), -1.0, 1.0));
 }
 
-double TargetEchoes::power_w(const Target& target, const glm::dvec3& at_m, double range_m,
-                             double share) const {
+double TargetEchoes::cross_section(const Target& target, const TargetPlace& place) const {
+  double rcs_dbsm = target.size.rcs_dbsm;
+  if (target.size.aspects) {
+    // As the target sees the antenna: clockwise from its nose, and over its own level.
+    const glm::dvec3 way_m = plan_.sector().antenna_m - place.foot_m;
+    const double around_rad = bearing_of(way_m.x, way_m.z) - place.heading_rad;
+    const double up_rad = std::atan2(way_m.y, std::hypot(way_m.x, way_m.z));
+    rcs_dbsm = target.size.aspects->rcs_dbsm(around_rad / kDegree_rad, up_rad / kDegree_rad);
+  }
+  return std::pow(10.0, rcs_dbsm / 10);
+}
+
+double TargetEchoes::power_w(const glm::dvec3& at_m, double range_m, double rcs_m2) const {
   const double antenna = gain_ * elevation_.power_gain(elevation_rad(at_m, range_m));
   const double r2 = range_m * range_m;
-  double left = share * path_power_factor(loss_db_km_, range_m);
+  double left = path_power_factor(loss_db_km_, range_m);
   if (settings_.pulse.kind != PulseKind::off && settings_.pulse.eclipse) {
     const double voltage = response_.left_by_eclipse(range_m);
     left *= voltage * voltage;
   }
-  return left * radar_equation(constant_, antenna, std::pow(10.0, target.size.rcs_dbsm / 10), r2 * r2);
+  return left * radar_equation(constant_, antenna, rcs_m2, r2 * r2);
 }
 
-void TargetEchoes::add_scatterer(const Target& target, const Scatterer& scatterer, double share) {
+void TargetEchoes::add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2) {
   TargetEcho echo = look_at(scatterer.at_m);
-  echo.id = target.id;
-  echo.power_w = power_w(target, scatterer.at_m, echo.range_m, share * scatterer.part);
+  echo.id = id;
+  echo.power_w = power_w(scatterer.at_m, echo.range_m, rcs_m2);
   const double round_trips = 2 * echo.range_m / wavelength_m_;
   echo.voltage = scatterer.drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
   respond(echo);

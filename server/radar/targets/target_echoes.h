@@ -85,11 +85,13 @@ class TargetEchoes {
     std::complex<double> drawn{0.0};  ///< what the voltage of the mean is multiplied by
   };
   std::vector<Scatterer> scatterers(const Target& target, const TargetPlace& place) const;
-  void add_scatterer(const Target& target, const Scatterer& scatterer, double share);
+  void add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2);
   /// About the antenna's own vertical, as the ground's is.
   double elevation_rad(const glm::dvec3& at_m, double range_m) const;
-  /// Mean, in the middle of beam and pulse, of so much of a target's cross section.
-  double power_w(const Target& target, const glm::dvec3& at_m, double range_m, double share) const;
+  /// Of its aspect, mean, m^2.
+  double cross_section(const Target& target, const TargetPlace& place) const;
+  /// In the middle of beam and pulse.
+  double power_w(const glm::dvec3& at_m, double range_m, double rcs_m2) const;
   static void add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq);
   /// How far a place in azimuth is from the target, in bins, the short way round.
   double bins_away(const TargetEcho& echo, double position) const;
