@@ -2,7 +2,7 @@
 // within its limits, or none.
 #include <cmath>
 
-#include "server/apps/ownship/ownship.h"
+#include "server/apps/dis/ownship.h"
 #include "tests/fuzz/input.h"
 
 namespace obliq {

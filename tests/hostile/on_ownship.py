@@ -15,7 +15,7 @@ LINES_A_SECOND, LINES_ANYWAY = 1, 12
 
 
 def pose(latitude=33.0, longitude=-99.5, height=2500.0, heading=0.0, sim_time_ns=0, number=1, magic=b"OBLP"):
-    """server/apps/ownship/README.md"""
+    """server/apps/dis/README.md"""
     return struct.pack("<4sHHqddddQ", magic, 1, 0, sim_time_ns, latitude, longitude, height, heading, number)
 
 

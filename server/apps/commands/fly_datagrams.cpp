@@ -19,7 +19,7 @@
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/commands/udp_socket.h"
-#include "server/apps/ownship/refused_datagrams.h"
+#include "server/apps/dis/refused_datagrams.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
 #include "terrain/base/units.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "client/resuming_client.h"
-#include "server/apps/ownship/ownship.h"
+#include "server/apps/dis/ownship.h"
 
 namespace CLI {
 class App;

@@ -12,6 +12,7 @@ namespace obliq {
 struct TargetType {
   std::string name;
   TargetSize size;
+  std::vector<std::string> dis;  ///< DisPattern texts: entities of DIS that are such targets
 };
 
 /// The type of that name; null: there is none.

@@ -4,9 +4,11 @@
 #include <array>
 #include <set>
 
+#include "server/control/sections/dis_pattern.h"
 #include "server/control/sections/parameter_row.h"
 #include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/special_values.h"
 
 namespace obliq {
 namespace {
@@ -40,6 +42,30 @@ constexpr auto size_rows() {
 }
 
 constexpr std::array kTypeRows = size_rows<Of>();
+
+void read_dis(const FoundKey& found, TargetType& type) {
+  for (const ConfigNode* node : found.reader.texts(found.name)) {
+    const auto& text = std::get<std::string>(node->value);
+    if (DisPattern::parse(text)) {
+      type.dis.push_back(text);
+    } else {
+      found.reader.complain(*node, found.name, DisPattern::kAllowed);
+    }
+  }
+}
+
+std::string printed_dis(const TargetType& type, const SceneConfig&) {
+  return type.dis.empty() ? "" : toml_list(type.dis, toml_string);
+}
+
+const std::array kTypeSpecial{
+    special<TargetType>("dis", "", kAny,
+                        "a list of entity types, such as \"1.1.225.7\"; \"*\" stands for any number, and so does "
+                        "what is left out at the end",
+                        "Entities of DIS that are such targets; where several types fit, the one that says "
+                        "most numbers.",
+                        read_dis, printed_dis, "[]", Change::restart),
+};
 
 constexpr std::array kPlaceRows{
     Its::row<&Target::latitude_deg>("latitude_deg", "deg", kLatitude, "Where it is."),
@@ -103,6 +129,7 @@ constexpr std::array kTargetsRows{
 const Section kTargetsSection{"targets", {kTargetsRows}};
 
 std::span<const Row<TargetType>> target_type_rows() { return kTypeRows; }
+std::span<const SpecialKey<TargetType>> target_type_special_keys() { return kTypeSpecial; }
 std::span<const Row<Target>> target_rows() { return kRows; }
 std::span<const Row<TargetConfig>> target_config_rows() { return kConfigRows; }
 std::span<const Row<RoutePoint>> route_rows() { return kRouteRows; }
@@ -159,12 +186,24 @@ void read_target_types(SceneReading& scene) {
       TargetType type;
       type.name = table.key;
       SectionReader reader(table, full_name, scene.complaints);
-      read_keys<TargetType>(scene, reader, {kTypeRows}, "", type);
+      read_keys<TargetType>(scene, reader, {kTypeRows, kTypeSpecial}, "", type);
       reader.finish();
       scene.config.target_types.push_back(std::move(type));
     }
     std::ranges::sort(scene.config.target_types, {}, &TargetType::name);
   });
+}
+
+std::vector<TargetType> read_type_file(const std::string& text, const std::string& name) {
+  const ConfigNode root = parse_config_text(text, name);
+  SceneConfig config;
+  Complaints complaints;
+  SectionReader top(root, "", complaints);
+  SceneReading scene{config, top, complaints, {}};
+  read_target_types(scene);
+  top.finish();
+  complaints.throw_if_any();
+  return std::move(config.target_types);
 }
 
 namespace {
@@ -242,7 +281,7 @@ std::string printed_targets(const SceneConfig& config) {
   std::string text;
   for (const TargetType& type : config.target_types)
     text += "\n[target_types." + toml_key(type.name) + "]\n" +
-            printed_keys<TargetType>({kTypeRows}, "", type, config);
+            printed_keys<TargetType>({kTypeRows, kTypeSpecial}, "", type, config);
   for (const TargetConfig& target : config.targets) {
     text += "\n[[target]]\nname = " + toml_string(target.name) + "\ntype = " + toml_string(target.type) +
             "\n" + printed_keys<Target>({kRows}, "", target.target, config) +

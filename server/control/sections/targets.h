@@ -2,6 +2,7 @@
 // [target_types.NAME] and [[target]]: vehicles, ships and aircraft.
 #include <span>
 #include <string>
+#include <vector>
 
 #include "server/control/row.h"
 #include "server/control/sections/target_config.h"
@@ -11,15 +12,21 @@ namespace obliq {
 struct SceneConfig;
 struct SceneReading;
 struct Section;
+template <class T>
+struct SpecialKey;
 
 extern const Section kTargetsSection;
 
 std::span<const Row<TargetType>> target_type_rows();
+std::span<const SpecialKey<TargetType>> target_type_special_keys();
 std::span<const Row<Target>> target_rows();
 std::span<const Row<TargetConfig>> target_config_rows();
 std::span<const Row<RoutePoint>> route_rows();
 
 void read_target_types(SceneReading& scene);
+/// Of a file that has tables [target_types.NAME] alone: rising by name. `name` stands in messages. Throws
+/// InputError.
+std::vector<TargetType> read_type_file(const std::string& text, const std::string& name);
 /// After their types.
 void read_targets(SceneReading& scene);
 std::string printed_targets(const SceneConfig& config);
