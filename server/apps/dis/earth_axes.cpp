@@ -14,6 +14,13 @@ Place place_of(const glm::dvec3& location_m) {
   return place;
 }
 
+glm::dvec3 location_of(const Place& place) {
+  glm::dvec3 location_m;
+  GeographicLib::Geocentric::WGS84().Forward(place.latitude_deg, place.longitude_deg, place.height_m,
+                                             location_m.x, location_m.y, location_m.z);
+  return location_m;
+}
+
 LocalAxes local_axes(const Place& at) {
   constexpr double kDegree = std::numbers::pi / 180;
   const double phi = at.latitude_deg * kDegree;

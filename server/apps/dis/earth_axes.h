@@ -13,6 +13,7 @@ struct Place {
 };
 
 Place place_of(const glm::dvec3& location_m);
+glm::dvec3 location_of(const Place& place);
 
 /// Of a place, in the earth's axes.
 struct LocalAxes {

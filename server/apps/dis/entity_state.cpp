@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "server/apps/dis/byte_reader.h"
 #include "server/radar/settings.h"
@@ -55,8 +57,8 @@ std::string fault_of_length(Bytes bytes) {
   constexpr std::size_t kParameterBytes = 16;
   const std::size_t parameters = big<std::uint8_t>(bytes, 19);
   if (length < kEntityStateBytes + kParameterBytes * parameters)
-    return fmt::format("length: found {} with {} variable parameters; allowed: {} or more", length, parameters,
-                       kEntityStateBytes + kParameterBytes * parameters);
+    return fmt::format("length: found {} with {} variable parameters; allowed: {} or more", length,
+                       parameters, kEntityStateBytes + kParameterBytes * parameters);
   return {};
 }
 
@@ -135,7 +137,9 @@ std::optional<EntityId> parse_entity_id(const std::string& text) {
   return EntityId{parts[0], parts[1], parts[2]};
 }
 
-std::string text_of(const EntityId& id) { return fmt::format("{}:{}:{}", id.site, id.application, id.entity); }
+std::string text_of(const EntityId& id) {
+  return fmt::format("{}:{}:{}", id.site, id.application, id.entity);
+}
 
 Pdu read_pdu(Bytes bytes) {
   constexpr int kEntityState = 1;  // IEEE 1278.1-2012, table of PDU types

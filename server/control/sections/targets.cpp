@@ -59,12 +59,13 @@ std::string printed_dis(const TargetType& type, const SceneConfig&) {
 }
 
 const std::array kTypeSpecial{
-    special<TargetType>("dis", "", kAny,
-                        "a list of entity types, such as \"1.1.225.7\"; \"*\" stands for any number, and so does "
-                        "what is left out at the end",
-                        "Entities of DIS that are such targets; where several types fit, the one that says "
-                        "most numbers.",
-                        read_dis, printed_dis, "[]", Change::restart),
+    special<TargetType>(
+        "dis", "", kAny,
+        "a list of entity types, such as \"1.1.225.7\"; \"*\" stands for any number, and so does "
+        "what is left out at the end",
+        "Entities of DIS that are such targets; where several types fit, the one that says "
+        "most numbers.",
+        read_dis, printed_dis, "[]", Change::restart),
 };
 
 constexpr std::array kPlaceRows{
@@ -140,9 +141,10 @@ const TargetType* find_type(const std::vector<TargetType>& types, const std::str
 }
 
 void TargetConfig::lay_route() {
-  target.route = route.points.empty() ? nullptr
-                                      : std::make_shared<const Route>(target.latitude_deg, target.longitude_deg,
-                                                                      target.height_m, route);
+  target.route =
+      route.points.empty()
+          ? nullptr
+          : std::make_shared<const Route>(target.latitude_deg, target.longitude_deg, target.height_m, route);
 }
 
 namespace {
@@ -171,7 +173,8 @@ std::vector<FieldError> validate(const TargetConfig& config) {
   const glm::dvec3 none(0.0);
   if (!config.route.points.empty() &&
       (config.target.velocity_m_s != none || config.target.acceleration_m_s2 != none))
-    errors.push_back({"route", "a velocity beside it", "a route or a velocity: a route has speeds of its own"});
+    errors.push_back(
+        {"route", "a velocity beside it", "a route or a velocity: a route has speeds of its own"});
   return errors;
 }
 
@@ -194,8 +197,7 @@ void read_target_types(SceneReading& scene) {
   });
 }
 
-std::vector<TargetType> read_type_file(const std::string& text, const std::string& name) {
-  const ConfigNode root = parse_config_text(text, name);
+std::vector<TargetType> read_type_file(const ConfigNode& root) {
   SceneConfig config;
   Complaints complaints;
   SectionReader top(root, "", complaints);
@@ -253,7 +255,8 @@ TargetConfig read_target(SceneReading& scene, const ConfigNode& table) {
     reader.demand("geoid_undulation_m", "the geoid's height above the ellipsoid there, m");
   reader.finish();
   for (const FieldError& error : validate(config))
-    if (error.field == "route") scene.complaints.add(table.where, {"target.route", error.found, error.allowed});
+    if (error.field == "route")
+      scene.complaints.add(table.where, {"target.route", error.found, error.allowed});
   return config;
 }
 

@@ -9,6 +9,7 @@
 
 namespace obliq {
 
+struct ConfigNode;
 struct SceneConfig;
 struct SceneReading;
 struct Section;
@@ -24,9 +25,8 @@ std::span<const Row<TargetConfig>> target_config_rows();
 std::span<const Row<RoutePoint>> route_rows();
 
 void read_target_types(SceneReading& scene);
-/// Of a file that has tables [target_types.NAME] alone: rising by name. `name` stands in messages. Throws
-/// InputError.
-std::vector<TargetType> read_type_file(const std::string& text, const std::string& name);
+/// Of a file that has tables [target_types.NAME] alone: rising by name. Throws InputError.
+std::vector<TargetType> read_type_file(const ConfigNode& root);
 /// After their types.
 void read_targets(SceneReading& scene);
 std::string printed_targets(const SceneConfig& config);
