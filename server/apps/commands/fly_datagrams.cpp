@@ -19,6 +19,7 @@
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/apps/dis/ownship.h"
+#include "server/apps/scene_arguments.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/units.h"
 
@@ -320,12 +321,10 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
   command.add_option("--exercise", source.exercise, "Only PDUs of this exercise; without: of any")
       ->type_name("ID")
       ->check(CLI::Range(0, 255));
-  command
-      .add_option(
-          "--allow", source.allow,
-          "Only datagrams from these addresses and networks, such as 10.0.0.0/24 (repeatable); without: "
-          "from any")
-      ->type_name("NETWORK");
+  add_repeatable(
+      command, "--allow", source.allow,
+      "Only datagrams from this address or network, such as 10.0.0.0/24 (repeatable); without: from any",
+      "NETWORK");
   command
       .add_option(
           "--clock", source.clock,

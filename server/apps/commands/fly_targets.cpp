@@ -172,7 +172,8 @@ void TargetFeed::release() { require(client_.client().release_targets()); }
 
 void FeedStatus::tell(const std::string& text, TargetFeed::Time now) {
   if (now < next_ || text == told_) return;
-  told_ = text;
+  const bool is_first = std::exchange(told_, text).empty();
+  if (is_first) return;  // nothing has come yet
   next_ = now + kStatusPause;
   std::printf("targets: %s\n", text.c_str());
   std::fflush(stdout);

@@ -54,8 +54,7 @@ void PduSource::take(std::chrono::milliseconds longest, FlyNews& news, const Tak
 }
 
 std::string PduSource::losses() const {
-  std::string text;
-  if (inbox_.lost() > 0) text += fmt::format(", {} datagrams lost for want of room", inbox_.lost());
+  std::string text = fmt::format(", {} datagrams lost", inbox_.lost());
   if (inbox_.not_allowed() > 0)
     text += fmt::format(", {} datagrams from networks that --allow does not name", inbox_.not_allowed());
   if (clock_.arrivals() > 0)

@@ -27,7 +27,7 @@ class PduSource {
   void take(std::chrono::milliseconds longest, FlyNews& news, const Taker& taker);
   /// The datagrams as they are.
   Datagrams take(std::chrono::milliseconds longest) { return inbox_.take(longest); }
-  /// "" or ", 3 datagrams lost ...".
+  /// ", 3 datagrams lost ...": for want of room, here or in the kernel.
   std::string losses() const;
 
  private:

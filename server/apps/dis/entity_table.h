@@ -20,10 +20,10 @@ class EntityTable {
   using Time = Clock::time_point;
 
   struct Options {
-    std::optional<EntityId> ownship;  ///< is no target
+    std::optional<EntityId> ownship{};  ///< is no target
     /// Without a PDU for so long an entity has gone. Empty: 2.4 heartbeats, IEEE 1278.1-2012, 4.2.8: 12 s,
     /// and of one that stands (HBT_STATIONARY, 60 s) 144 s.
-    std::optional<double> timeout_s;
+    std::optional<double> timeout_s{};
     double refresh_hz = 5;     ///< of those on curves, which place, velocity and acceleration cannot follow
     std::size_t most = 10000;  ///< of targets: those nearest to the centre
   };
