@@ -60,6 +60,8 @@ SWEEP: FrustumKind
 SWITCH_EVENT: EventKind
 SYMMETRIC: FrustumKind
 TAKE_OVER_EVENT: EventKind
+TARGETS_CLAIM: ClaimKind
+TARGETS_EVENT: EventKind
 TAYLOR_BEAM: BeamPattern
 TAYLOR_WINDOW: PulseWindow
 UNCOMPRESSED: CompressionKind
@@ -171,7 +173,7 @@ class Error(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., number: _Optional[int] = ..., text: _Optional[str] = ..., fields: _Optional[_Iterable[_Union[FieldFault, _Mapping]]] = ..., radar: _Optional[str] = ...) -> None: ...
 
 class ExerciseEvent(_message.Message):
-    __slots__ = ["by", "claims", "freeze", "kind", "number", "pose", "radar", "rate_limit_hz", "settings", "sim_time_ns", "state", "taken_from", "text", "transmit", "utc_ns"]
+    __slots__ = ["by", "claims", "freeze", "kind", "number", "pose", "radar", "rate_limit_hz", "settings", "sim_time_ns", "state", "taken_from", "targets_come", "targets_gone", "text", "transmit", "utc_ns"]
     BY_FIELD_NUMBER: _ClassVar[int]
     CLAIMS_FIELD_NUMBER: _ClassVar[int]
     FREEZE_FIELD_NUMBER: _ClassVar[int]
@@ -184,6 +186,8 @@ class ExerciseEvent(_message.Message):
     SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     TAKEN_FROM_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_COME_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_GONE_FIELD_NUMBER: _ClassVar[int]
     TEXT_FIELD_NUMBER: _ClassVar[int]
     TRANSMIT_FIELD_NUMBER: _ClassVar[int]
     UTC_NS_FIELD_NUMBER: _ClassVar[int]
@@ -199,10 +203,12 @@ class ExerciseEvent(_message.Message):
     sim_time_ns: int
     state: ExerciseState
     taken_from: str
+    targets_come: int
+    targets_gone: int
     text: str
     transmit: bool
     utc_ns: int
-    def __init__(self, number: _Optional[int] = ..., utc_ns: _Optional[int] = ..., kind: _Optional[_Union[EventKind, str]] = ..., by: _Optional[str] = ..., radar: _Optional[str] = ..., sim_time_ns: _Optional[int] = ..., claims: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., taken_from: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., transmit: bool = ..., freeze: bool = ..., rate_limit_hz: _Optional[float] = ..., state: _Optional[_Union[ExerciseState, _Mapping]] = ..., text: _Optional[str] = ...) -> None: ...
+    def __init__(self, number: _Optional[int] = ..., utc_ns: _Optional[int] = ..., kind: _Optional[_Union[EventKind, str]] = ..., by: _Optional[str] = ..., radar: _Optional[str] = ..., sim_time_ns: _Optional[int] = ..., claims: _Optional[_Iterable[_Union[ClaimKind, str]]] = ..., taken_from: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., transmit: bool = ..., freeze: bool = ..., rate_limit_hz: _Optional[float] = ..., state: _Optional[_Union[ExerciseState, _Mapping]] = ..., text: _Optional[str] = ..., targets_come: _Optional[int] = ..., targets_gone: _Optional[int] = ...) -> None: ...
 
 class ExerciseEvents(_message.Message):
     __slots__ = ["events", "frozen", "lost", "more", "request_id", "state"]
@@ -221,22 +227,26 @@ class ExerciseEvents(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., events: _Optional[_Iterable[_Union[ExerciseEvent, _Mapping]]] = ..., more: bool = ..., lost: _Optional[int] = ..., state: _Optional[_Union[ExerciseState, _Mapping]] = ..., frozen: bool = ...) -> None: ...
 
 class ExerciseState(_message.Message):
-    __slots__ = ["build", "platforms", "radars", "request_id", "scene_hash", "scene_name", "version"]
+    __slots__ = ["build", "platforms", "radars", "request_id", "scene_hash", "scene_name", "targets", "version", "with_targets"]
     BUILD_FIELD_NUMBER: _ClassVar[int]
     PLATFORMS_FIELD_NUMBER: _ClassVar[int]
     RADARS_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     SCENE_HASH_FIELD_NUMBER: _ClassVar[int]
     SCENE_NAME_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_FIELD_NUMBER: _ClassVar[int]
     VERSION_FIELD_NUMBER: _ClassVar[int]
+    WITH_TARGETS_FIELD_NUMBER: _ClassVar[int]
     build: str
     platforms: _containers.RepeatedCompositeFieldContainer[PlatformState]
     radars: _containers.RepeatedCompositeFieldContainer[RadarState]
     request_id: int
     scene_hash: str
     scene_name: str
+    targets: _containers.RepeatedCompositeFieldContainer[Target]
     version: int
-    def __init__(self, request_id: _Optional[int] = ..., version: _Optional[int] = ..., scene_hash: _Optional[str] = ..., scene_name: _Optional[str] = ..., build: _Optional[str] = ..., radars: _Optional[_Iterable[_Union[RadarState, _Mapping]]] = ..., platforms: _Optional[_Iterable[_Union[PlatformState, _Mapping]]] = ...) -> None: ...
+    with_targets: bool
+    def __init__(self, request_id: _Optional[int] = ..., version: _Optional[int] = ..., scene_hash: _Optional[str] = ..., scene_name: _Optional[str] = ..., build: _Optional[str] = ..., radars: _Optional[_Iterable[_Union[RadarState, _Mapping]]] = ..., platforms: _Optional[_Iterable[_Union[PlatformState, _Mapping]]] = ..., targets: _Optional[_Iterable[_Union[Target, _Mapping]]] = ..., with_targets: bool = ...) -> None: ...
 
 class FieldFault(_message.Message):
     __slots__ = ["allowed", "field", "found"]
@@ -275,7 +285,7 @@ class FrameBegin(_message.Message):
     def __init__(self, frame_id: _Optional[int] = ..., request_id: _Optional[int] = ..., frame: _Optional[_Union[FrameDescriptor, _Mapping]] = ..., wedges: _Optional[int] = ..., frames_skipped: _Optional[int] = ..., scan: _Optional[_Union[ScanPass, _Mapping]] = ...) -> None: ...
 
 class FrameDescriptor(_message.Message):
-    __slots__ = ["adc_step", "antenna_x_m", "antenna_y_m", "antenna_z_m", "azimuth_error_bound_rad", "azimuth_reference", "azimuth_start_deg", "azimuth_width_deg", "bottom_y_m", "build", "buildings_in_scene", "cell_m", "frame_id", "ground", "map_reference_height_m", "materials", "noise_counter", "noise_power_w", "north_rad", "origin_latitude_deg", "origin_longitude_deg", "phase_sign", "pose", "pose_stale", "power_unit", "radar", "radius_factor", "range_spacing_m", "range_start_m", "scene_hash", "scene_name", "settings", "settings_version", "source_error", "top_y_m", "unit", "video_floor_db", "warnings", "wavelength_m", "wedge_azimuth_bins", "window"]
+    __slots__ = ["adc_step", "antenna_x_m", "antenna_y_m", "antenna_z_m", "azimuth_error_bound_rad", "azimuth_reference", "azimuth_start_deg", "azimuth_width_deg", "bottom_y_m", "build", "buildings_in_scene", "cell_m", "frame_id", "ground", "map_reference_height_m", "materials", "noise_counter", "noise_power_w", "north_rad", "origin_latitude_deg", "origin_longitude_deg", "phase_sign", "pose", "pose_stale", "power_unit", "radar", "radius_factor", "range_spacing_m", "range_start_m", "scene_hash", "scene_name", "settings", "settings_version", "source_error", "targets", "targets_version", "top_y_m", "unit", "video_floor_db", "warnings", "wavelength_m", "wedge_azimuth_bins", "window"]
     ADC_STEP_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_X_M_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_Y_M_FIELD_NUMBER: _ClassVar[int]
@@ -310,6 +320,8 @@ class FrameDescriptor(_message.Message):
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_VERSION_FIELD_NUMBER: _ClassVar[int]
     SOURCE_ERROR_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_VERSION_FIELD_NUMBER: _ClassVar[int]
     TOP_Y_M_FIELD_NUMBER: _ClassVar[int]
     UNIT_FIELD_NUMBER: _ClassVar[int]
     VIDEO_FLOOR_DB_FIELD_NUMBER: _ClassVar[int]
@@ -351,6 +363,8 @@ class FrameDescriptor(_message.Message):
     settings: RadarSettings
     settings_version: int
     source_error: SourceError
+    targets: int
+    targets_version: int
     top_y_m: float
     unit: str
     video_floor_db: float
@@ -358,7 +372,7 @@ class FrameDescriptor(_message.Message):
     wavelength_m: float
     wedge_azimuth_bins: int
     window: BinWindow
-    def __init__(self, radar: _Optional[str] = ..., frame_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., origin_latitude_deg: _Optional[float] = ..., origin_longitude_deg: _Optional[float] = ..., radius_factor: _Optional[float] = ..., antenna_x_m: _Optional[float] = ..., antenna_y_m: _Optional[float] = ..., antenna_z_m: _Optional[float] = ..., north_rad: _Optional[float] = ..., wavelength_m: _Optional[float] = ..., azimuth_start_deg: _Optional[float] = ..., azimuth_width_deg: _Optional[float] = ..., range_start_m: _Optional[float] = ..., range_spacing_m: _Optional[float] = ..., phase_sign: _Optional[int] = ..., unit: _Optional[str] = ..., azimuth_reference: _Optional[str] = ..., bottom_y_m: _Optional[float] = ..., top_y_m: _Optional[float] = ..., map_reference_height_m: _Optional[float] = ..., azimuth_error_bound_rad: _Optional[float] = ..., materials: _Optional[_Iterable[_Union[Material, _Mapping]]] = ..., scene_name: _Optional[str] = ..., cell_m: _Optional[float] = ..., wedge_azimuth_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., buildings_in_scene: _Optional[int] = ..., power_unit: _Optional[str] = ..., source_error: _Optional[_Union[SourceError, _Mapping]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., pose_stale: bool = ..., ground: _Optional[_Union[LoadedGround, _Mapping]] = ..., noise_power_w: _Optional[float] = ..., noise_counter: _Optional[int] = ..., adc_step: _Optional[float] = ..., video_floor_db: _Optional[float] = ..., scene_hash: _Optional[str] = ..., build: _Optional[str] = ...) -> None: ...
+    def __init__(self, radar: _Optional[str] = ..., frame_id: _Optional[int] = ..., settings_version: _Optional[int] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., origin_latitude_deg: _Optional[float] = ..., origin_longitude_deg: _Optional[float] = ..., radius_factor: _Optional[float] = ..., antenna_x_m: _Optional[float] = ..., antenna_y_m: _Optional[float] = ..., antenna_z_m: _Optional[float] = ..., north_rad: _Optional[float] = ..., wavelength_m: _Optional[float] = ..., azimuth_start_deg: _Optional[float] = ..., azimuth_width_deg: _Optional[float] = ..., range_start_m: _Optional[float] = ..., range_spacing_m: _Optional[float] = ..., phase_sign: _Optional[int] = ..., unit: _Optional[str] = ..., azimuth_reference: _Optional[str] = ..., bottom_y_m: _Optional[float] = ..., top_y_m: _Optional[float] = ..., map_reference_height_m: _Optional[float] = ..., azimuth_error_bound_rad: _Optional[float] = ..., materials: _Optional[_Iterable[_Union[Material, _Mapping]]] = ..., scene_name: _Optional[str] = ..., cell_m: _Optional[float] = ..., wedge_azimuth_bins: _Optional[int] = ..., warnings: _Optional[_Iterable[str]] = ..., buildings_in_scene: _Optional[int] = ..., power_unit: _Optional[str] = ..., source_error: _Optional[_Union[SourceError, _Mapping]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., pose_stale: bool = ..., ground: _Optional[_Union[LoadedGround, _Mapping]] = ..., noise_power_w: _Optional[float] = ..., noise_counter: _Optional[int] = ..., adc_step: _Optional[float] = ..., video_floor_db: _Optional[float] = ..., scene_hash: _Optional[str] = ..., build: _Optional[str] = ..., targets_version: _Optional[int] = ..., targets: _Optional[int] = ...) -> None: ...
 
 class FrameEnd(_message.Message):
     __slots__ = ["frame_id", "missed", "render_s", "summary", "waited_s"]
@@ -432,6 +446,14 @@ class GetStatus(_message.Message):
     request_id: int
     def __init__(self, request_id: _Optional[int] = ...) -> None: ...
 
+class GetTargets(_message.Message):
+    __slots__ = ["after", "request_id"]
+    AFTER_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    after: int
+    request_id: int
+    def __init__(self, request_id: _Optional[int] = ..., after: _Optional[int] = ...) -> None: ...
+
 class GroundAnswer(_message.Message):
     __slots__ = ["antenna", "materials", "points", "record_bytes", "request_id"]
     ANTENNA_FIELD_NUMBER: _ClassVar[int]
@@ -469,7 +491,7 @@ class Hello(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., major: _Optional[int] = ..., minor: _Optional[int] = ..., client_name: _Optional[str] = ..., token: _Optional[str] = ...) -> None: ...
 
 class Limits(_message.Message):
-    __slots__ = ["heartbeat_s", "idle_timeout_s", "max_bins", "max_clients", "max_clients_per_address", "max_memory_mb", "max_pixels", "max_plane_bytes", "max_query_points", "max_rate_hz", "max_renders_queued", "max_request_bytes", "max_subscriptions", "max_work_queued"]
+    __slots__ = ["heartbeat_s", "idle_timeout_s", "max_bins", "max_clients", "max_clients_per_address", "max_memory_mb", "max_pixels", "max_plane_bytes", "max_query_points", "max_rate_hz", "max_renders_queued", "max_request_bytes", "max_subscriptions", "max_targets", "max_work_queued"]
     HEARTBEAT_S_FIELD_NUMBER: _ClassVar[int]
     IDLE_TIMEOUT_S_FIELD_NUMBER: _ClassVar[int]
     MAX_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -483,6 +505,7 @@ class Limits(_message.Message):
     MAX_RENDERS_QUEUED_FIELD_NUMBER: _ClassVar[int]
     MAX_REQUEST_BYTES_FIELD_NUMBER: _ClassVar[int]
     MAX_SUBSCRIPTIONS_FIELD_NUMBER: _ClassVar[int]
+    MAX_TARGETS_FIELD_NUMBER: _ClassVar[int]
     MAX_WORK_QUEUED_FIELD_NUMBER: _ClassVar[int]
     heartbeat_s: float
     idle_timeout_s: float
@@ -497,8 +520,9 @@ class Limits(_message.Message):
     max_renders_queued: int
     max_request_bytes: int
     max_subscriptions: int
+    max_targets: int
     max_work_queued: int
-    def __init__(self, max_request_bytes: _Optional[int] = ..., max_plane_bytes: _Optional[int] = ..., max_clients: _Optional[int] = ..., max_renders_queued: _Optional[int] = ..., max_subscriptions: _Optional[int] = ..., max_rate_hz: _Optional[float] = ..., max_clients_per_address: _Optional[int] = ..., max_pixels: _Optional[int] = ..., max_bins: _Optional[int] = ..., max_work_queued: _Optional[int] = ..., max_memory_mb: _Optional[int] = ..., heartbeat_s: _Optional[float] = ..., idle_timeout_s: _Optional[float] = ..., max_query_points: _Optional[int] = ...) -> None: ...
+    def __init__(self, max_request_bytes: _Optional[int] = ..., max_plane_bytes: _Optional[int] = ..., max_clients: _Optional[int] = ..., max_renders_queued: _Optional[int] = ..., max_subscriptions: _Optional[int] = ..., max_rate_hz: _Optional[float] = ..., max_clients_per_address: _Optional[int] = ..., max_pixels: _Optional[int] = ..., max_bins: _Optional[int] = ..., max_work_queued: _Optional[int] = ..., max_memory_mb: _Optional[int] = ..., heartbeat_s: _Optional[float] = ..., idle_timeout_s: _Optional[float] = ..., max_query_points: _Optional[int] = ..., max_targets: _Optional[int] = ...) -> None: ...
 
 class ListRadars(_message.Message):
     __slots__ = ["request_id"]
@@ -875,28 +899,34 @@ class ReleaseControl(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., kinds: _Optional[_Iterable[_Union[ClaimKind, str]]] = ...) -> None: ...
 
 class RenderOnce(_message.Message):
-    __slots__ = ["as_live", "compression", "iq_encoding", "planes", "pose", "radar", "request_id", "settings", "video_bits", "window"]
+    __slots__ = ["as_live", "compression", "iq_encoding", "live_targets", "planes", "pose", "radar", "request_id", "settings", "targets", "truth", "video_bits", "window"]
     AS_LIVE_FIELD_NUMBER: _ClassVar[int]
     COMPRESSION_FIELD_NUMBER: _ClassVar[int]
     IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
+    LIVE_TARGETS_FIELD_NUMBER: _ClassVar[int]
     PLANES_FIELD_NUMBER: _ClassVar[int]
     POSE_FIELD_NUMBER: _ClassVar[int]
     RADAR_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     SETTINGS_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_FIELD_NUMBER: _ClassVar[int]
+    TRUTH_FIELD_NUMBER: _ClassVar[int]
     VIDEO_BITS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_FIELD_NUMBER: _ClassVar[int]
     as_live: bool
     compression: CompressionKind
     iq_encoding: IqEncodingKind
+    live_targets: bool
     planes: _containers.RepeatedScalarFieldContainer[PlaneKind]
     pose: Pose
     radar: str
     request_id: int
     settings: RadarSettings
+    targets: _containers.RepeatedCompositeFieldContainer[Target]
+    truth: bool
     video_bits: int
     window: BinWindow
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ..., as_live: bool = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., settings: _Optional[_Union[RadarSettings, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ..., as_live: bool = ..., targets: _Optional[_Iterable[_Union[Target, _Mapping]]] = ..., live_targets: bool = ..., truth: bool = ...) -> None: ...
 
 class ReplayState(_message.Message):
     __slots__ = ["duration_s", "ended", "loop", "paused", "position_s", "radar", "running", "seeks", "sim_time_ns", "speed", "start_utc_ns"]
@@ -1008,6 +1038,20 @@ class SetState(_message.Message):
     transmit: bool
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., transmit: bool = ..., freeze: bool = ...) -> None: ...
 
+class SetTargets(_message.Message):
+    __slots__ = ["clear", "gone", "more", "request_id", "targets"]
+    CLEAR_FIELD_NUMBER: _ClassVar[int]
+    GONE_FIELD_NUMBER: _ClassVar[int]
+    MORE_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_FIELD_NUMBER: _ClassVar[int]
+    clear: bool
+    gone: _containers.RepeatedScalarFieldContainer[int]
+    more: bool
+    request_id: int
+    targets: _containers.RepeatedCompositeFieldContainer[Target]
+    def __init__(self, request_id: _Optional[int] = ..., targets: _Optional[_Iterable[_Union[Target, _Mapping]]] = ..., gone: _Optional[_Iterable[int]] = ..., clear: bool = ..., more: bool = ...) -> None: ...
+
 class SourceError(_message.Message):
     __slots__ = ["greatest_m", "median_m", "p95_m", "posts", "rms_m"]
     GREATEST_M_FIELD_NUMBER: _ClassVar[int]
@@ -1023,16 +1067,21 @@ class SourceError(_message.Message):
     def __init__(self, posts: _Optional[int] = ..., median_m: _Optional[float] = ..., p95_m: _Optional[float] = ..., rms_m: _Optional[float] = ..., greatest_m: _Optional[float] = ...) -> None: ...
 
 class Status(_message.Message):
-    __slots__ = ["bytes_sent", "clients", "exercise_frozen", "frames_dropped", "radars", "renders_queued", "request_id", "server_name", "server_version", "uptime_s", "window_error", "window_failure", "window_failures", "window_loading", "window_well_s", "windows_loaded"]
+    __slots__ = ["bytes_sent", "clients", "exercise_frozen", "frames_dropped", "max_targets", "radars", "renders_queued", "request_id", "server_name", "server_version", "targets", "targets_controller", "targets_expired", "targets_late", "uptime_s", "window_error", "window_failure", "window_failures", "window_loading", "window_well_s", "windows_loaded"]
     BYTES_SENT_FIELD_NUMBER: _ClassVar[int]
     CLIENTS_FIELD_NUMBER: _ClassVar[int]
     EXERCISE_FROZEN_FIELD_NUMBER: _ClassVar[int]
     FRAMES_DROPPED_FIELD_NUMBER: _ClassVar[int]
+    MAX_TARGETS_FIELD_NUMBER: _ClassVar[int]
     RADARS_FIELD_NUMBER: _ClassVar[int]
     RENDERS_QUEUED_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     SERVER_NAME_FIELD_NUMBER: _ClassVar[int]
     SERVER_VERSION_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_CONTROLLER_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_EXPIRED_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_LATE_FIELD_NUMBER: _ClassVar[int]
     UPTIME_S_FIELD_NUMBER: _ClassVar[int]
     WINDOWS_LOADED_FIELD_NUMBER: _ClassVar[int]
     WINDOW_ERROR_FIELD_NUMBER: _ClassVar[int]
@@ -1044,11 +1093,16 @@ class Status(_message.Message):
     clients: int
     exercise_frozen: bool
     frames_dropped: int
+    max_targets: int
     radars: _containers.RepeatedCompositeFieldContainer[RadarStatus]
     renders_queued: int
     request_id: int
     server_name: str
     server_version: str
+    targets: int
+    targets_controller: str
+    targets_expired: int
+    targets_late: int
     uptime_s: float
     window_error: str
     window_failure: str
@@ -1056,10 +1110,10 @@ class Status(_message.Message):
     window_loading: bool
     window_well_s: float
     windows_loaded: int
-    def __init__(self, request_id: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., uptime_s: _Optional[float] = ..., clients: _Optional[int] = ..., frames_dropped: _Optional[int] = ..., bytes_sent: _Optional[int] = ..., renders_queued: _Optional[int] = ..., radars: _Optional[_Iterable[_Union[RadarStatus, _Mapping]]] = ..., windows_loaded: _Optional[int] = ..., window_loading: bool = ..., window_failures: _Optional[int] = ..., window_error: _Optional[str] = ..., window_failure: _Optional[str] = ..., window_well_s: _Optional[float] = ..., exercise_frozen: bool = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., uptime_s: _Optional[float] = ..., clients: _Optional[int] = ..., frames_dropped: _Optional[int] = ..., bytes_sent: _Optional[int] = ..., renders_queued: _Optional[int] = ..., radars: _Optional[_Iterable[_Union[RadarStatus, _Mapping]]] = ..., windows_loaded: _Optional[int] = ..., window_loading: bool = ..., window_failures: _Optional[int] = ..., window_error: _Optional[str] = ..., window_failure: _Optional[str] = ..., window_well_s: _Optional[float] = ..., exercise_frozen: bool = ..., targets: _Optional[int] = ..., max_targets: _Optional[int] = ..., targets_controller: _Optional[str] = ..., targets_expired: _Optional[int] = ..., targets_late: _Optional[int] = ...) -> None: ...
 
 class Subscribe(_message.Message):
-    __slots__ = ["compression", "iq_encoding", "lossless", "planes", "radar", "rate_hz", "request_id", "video_bits", "window"]
+    __slots__ = ["compression", "iq_encoding", "lossless", "planes", "radar", "rate_hz", "request_id", "truth", "video_bits", "window"]
     COMPRESSION_FIELD_NUMBER: _ClassVar[int]
     IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
     LOSSLESS_FIELD_NUMBER: _ClassVar[int]
@@ -1067,6 +1121,7 @@ class Subscribe(_message.Message):
     RADAR_FIELD_NUMBER: _ClassVar[int]
     RATE_HZ_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    TRUTH_FIELD_NUMBER: _ClassVar[int]
     VIDEO_BITS_FIELD_NUMBER: _ClassVar[int]
     WINDOW_FIELD_NUMBER: _ClassVar[int]
     compression: CompressionKind
@@ -1076,9 +1131,130 @@ class Subscribe(_message.Message):
     radar: str
     rate_hz: float
     request_id: int
+    truth: bool
     video_bits: int
     window: BinWindow
-    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., rate_hz: _Optional[float] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ..., lossless: bool = ...) -> None: ...
+    def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ..., rate_hz: _Optional[float] = ..., planes: _Optional[_Iterable[_Union[PlaneKind, str]]] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., window: _Optional[_Union[BinWindow, _Mapping]] = ..., video_bits: _Optional[int] = ..., lossless: bool = ..., truth: bool = ...) -> None: ...
+
+class Target(_message.Message):
+    __slots__ = ["acceleration_east_m_s2", "acceleration_north_m_s2", "acceleration_up_m_s2", "age_s", "geoid_undulation_m", "heading_deg", "heading_rate_deg_s", "height_m", "height_reference", "id", "latitude_deg", "length_m", "longitude_deg", "name", "rcs_dbsm", "route", "sim_time_ns", "swerling", "top_m", "type", "valid_s", "velocity_east_m_s", "velocity_north_m_s", "velocity_up_m_s", "width_m"]
+    ACCELERATION_EAST_M_S2_FIELD_NUMBER: _ClassVar[int]
+    ACCELERATION_NORTH_M_S2_FIELD_NUMBER: _ClassVar[int]
+    ACCELERATION_UP_M_S2_FIELD_NUMBER: _ClassVar[int]
+    AGE_S_FIELD_NUMBER: _ClassVar[int]
+    GEOID_UNDULATION_M_FIELD_NUMBER: _ClassVar[int]
+    HEADING_DEG_FIELD_NUMBER: _ClassVar[int]
+    HEADING_RATE_DEG_S_FIELD_NUMBER: _ClassVar[int]
+    HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
+    HEIGHT_REFERENCE_FIELD_NUMBER: _ClassVar[int]
+    ID_FIELD_NUMBER: _ClassVar[int]
+    LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    LENGTH_M_FIELD_NUMBER: _ClassVar[int]
+    LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    RCS_DBSM_FIELD_NUMBER: _ClassVar[int]
+    ROUTE_FIELD_NUMBER: _ClassVar[int]
+    SIM_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    SWERLING_FIELD_NUMBER: _ClassVar[int]
+    TOP_M_FIELD_NUMBER: _ClassVar[int]
+    TYPE_FIELD_NUMBER: _ClassVar[int]
+    VALID_S_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_EAST_M_S_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_NORTH_M_S_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_UP_M_S_FIELD_NUMBER: _ClassVar[int]
+    WIDTH_M_FIELD_NUMBER: _ClassVar[int]
+    acceleration_east_m_s2: float
+    acceleration_north_m_s2: float
+    acceleration_up_m_s2: float
+    age_s: float
+    geoid_undulation_m: float
+    heading_deg: float
+    heading_rate_deg_s: float
+    height_m: float
+    height_reference: HeightReference
+    id: int
+    latitude_deg: float
+    length_m: float
+    longitude_deg: float
+    name: str
+    rcs_dbsm: float
+    route: TargetRoute
+    sim_time_ns: int
+    swerling: int
+    top_m: float
+    type: str
+    valid_s: float
+    velocity_east_m_s: float
+    velocity_north_m_s: float
+    velocity_up_m_s: float
+    width_m: float
+    def __init__(self, id: _Optional[int] = ..., name: _Optional[str] = ..., type: _Optional[str] = ..., latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., velocity_north_m_s: _Optional[float] = ..., velocity_east_m_s: _Optional[float] = ..., velocity_up_m_s: _Optional[float] = ..., acceleration_north_m_s2: _Optional[float] = ..., acceleration_east_m_s2: _Optional[float] = ..., acceleration_up_m_s2: _Optional[float] = ..., heading_deg: _Optional[float] = ..., heading_rate_deg_s: _Optional[float] = ..., rcs_dbsm: _Optional[float] = ..., swerling: _Optional[int] = ..., length_m: _Optional[float] = ..., width_m: _Optional[float] = ..., top_m: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., valid_s: _Optional[float] = ..., route: _Optional[_Union[TargetRoute, _Mapping]] = ..., age_s: _Optional[float] = ...) -> None: ...
+
+class TargetBlock(_message.Message):
+    __slots__ = ["azimuths", "frame_id", "record_bytes", "records"]
+    AZIMUTHS_FIELD_NUMBER: _ClassVar[int]
+    FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    RECORDS_FIELD_NUMBER: _ClassVar[int]
+    RECORD_BYTES_FIELD_NUMBER: _ClassVar[int]
+    azimuths: AzimuthSpan
+    frame_id: int
+    record_bytes: int
+    records: int
+    def __init__(self, frame_id: _Optional[int] = ..., records: _Optional[int] = ..., record_bytes: _Optional[int] = ..., azimuths: _Optional[_Union[AzimuthSpan, _Mapping]] = ...) -> None: ...
+
+class TargetList(_message.Message):
+    __slots__ = ["controller", "expired", "late", "max_targets", "more", "request_id", "targets", "types", "version"]
+    CONTROLLER_FIELD_NUMBER: _ClassVar[int]
+    EXPIRED_FIELD_NUMBER: _ClassVar[int]
+    LATE_FIELD_NUMBER: _ClassVar[int]
+    MAX_TARGETS_FIELD_NUMBER: _ClassVar[int]
+    MORE_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    TARGETS_FIELD_NUMBER: _ClassVar[int]
+    TYPES_FIELD_NUMBER: _ClassVar[int]
+    VERSION_FIELD_NUMBER: _ClassVar[int]
+    controller: str
+    expired: int
+    late: int
+    max_targets: int
+    more: bool
+    request_id: int
+    targets: _containers.RepeatedCompositeFieldContainer[Target]
+    types: _containers.RepeatedCompositeFieldContainer[TargetType]
+    version: int
+    def __init__(self, request_id: _Optional[int] = ..., targets: _Optional[_Iterable[_Union[Target, _Mapping]]] = ..., more: bool = ..., version: _Optional[int] = ..., controller: _Optional[str] = ..., max_targets: _Optional[int] = ..., expired: _Optional[int] = ..., late: _Optional[int] = ..., types: _Optional[_Iterable[_Union[TargetType, _Mapping]]] = ...) -> None: ...
+
+class TargetRoute(_message.Message):
+    __slots__ = ["height_m", "latitude_deg", "longitude_deg", "loops", "speed_m_s"]
+    HEIGHT_M_FIELD_NUMBER: _ClassVar[int]
+    LATITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    LONGITUDE_DEG_FIELD_NUMBER: _ClassVar[int]
+    LOOPS_FIELD_NUMBER: _ClassVar[int]
+    SPEED_M_S_FIELD_NUMBER: _ClassVar[int]
+    height_m: _containers.RepeatedScalarFieldContainer[float]
+    latitude_deg: _containers.RepeatedScalarFieldContainer[float]
+    longitude_deg: _containers.RepeatedScalarFieldContainer[float]
+    loops: bool
+    speed_m_s: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, latitude_deg: _Optional[_Iterable[float]] = ..., longitude_deg: _Optional[_Iterable[float]] = ..., height_m: _Optional[_Iterable[float]] = ..., speed_m_s: _Optional[_Iterable[float]] = ..., loops: bool = ...) -> None: ...
+
+class TargetType(_message.Message):
+    __slots__ = ["dis", "length_m", "name", "rcs_dbsm", "swerling", "top_m", "width_m"]
+    DIS_FIELD_NUMBER: _ClassVar[int]
+    LENGTH_M_FIELD_NUMBER: _ClassVar[int]
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    RCS_DBSM_FIELD_NUMBER: _ClassVar[int]
+    SWERLING_FIELD_NUMBER: _ClassVar[int]
+    TOP_M_FIELD_NUMBER: _ClassVar[int]
+    WIDTH_M_FIELD_NUMBER: _ClassVar[int]
+    dis: _containers.RepeatedScalarFieldContainer[str]
+    length_m: float
+    name: str
+    rcs_dbsm: float
+    swerling: int
+    top_m: float
+    width_m: float
+    def __init__(self, name: _Optional[str] = ..., rcs_dbsm: _Optional[float] = ..., swerling: _Optional[int] = ..., length_m: _Optional[float] = ..., width_m: _Optional[float] = ..., top_m: _Optional[float] = ..., dis: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class Unsubscribe(_message.Message):
     __slots__ = ["radar", "request_id"]
@@ -1133,7 +1309,7 @@ class WedgeBlock(_message.Message):
     def __init__(self, frame_id: _Optional[int] = ..., plane: _Optional[_Union[PlaneKind, str]] = ..., first_azimuth: _Optional[int] = ..., n_azimuth: _Optional[int] = ..., first_range: _Optional[int] = ..., n_range: _Optional[int] = ..., wedge_index: _Optional[int] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., pose_received_ns: _Optional[int] = ..., render_start_ns: _Optional[int] = ..., send_ns: _Optional[int] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., scale: _Optional[float] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., plain_bytes: _Optional[int] = ..., azimuth_step: _Optional[int] = ..., range_step: _Optional[int] = ..., pose_stale: bool = ..., beam_ns: _Optional[int] = ...) -> None: ...
 
 class Welcome(_message.Message):
-    __slots__ = ["client_name", "encodings", "limits", "major", "minor", "radars", "request_id", "role", "scene_name", "server_name", "server_version"]
+    __slots__ = ["client_name", "encodings", "limits", "major", "minor", "radars", "request_id", "role", "scene_name", "server_name", "server_version", "truth"]
     CLIENT_NAME_FIELD_NUMBER: _ClassVar[int]
     ENCODINGS_FIELD_NUMBER: _ClassVar[int]
     LIMITS_FIELD_NUMBER: _ClassVar[int]
@@ -1145,6 +1321,7 @@ class Welcome(_message.Message):
     SCENE_NAME_FIELD_NUMBER: _ClassVar[int]
     SERVER_NAME_FIELD_NUMBER: _ClassVar[int]
     SERVER_VERSION_FIELD_NUMBER: _ClassVar[int]
+    TRUTH_FIELD_NUMBER: _ClassVar[int]
     client_name: str
     encodings: _containers.RepeatedScalarFieldContainer[str]
     limits: Limits
@@ -1156,7 +1333,8 @@ class Welcome(_message.Message):
     scene_name: str
     server_name: str
     server_version: str
-    def __init__(self, request_id: _Optional[int] = ..., major: _Optional[int] = ..., minor: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., scene_name: _Optional[str] = ..., radars: _Optional[_Iterable[str]] = ..., encodings: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., client_name: _Optional[str] = ..., role: _Optional[str] = ...) -> None: ...
+    truth: bool
+    def __init__(self, request_id: _Optional[int] = ..., major: _Optional[int] = ..., minor: _Optional[int] = ..., server_name: _Optional[str] = ..., server_version: _Optional[str] = ..., scene_name: _Optional[str] = ..., radars: _Optional[_Iterable[str]] = ..., encodings: _Optional[_Iterable[str]] = ..., limits: _Optional[_Union[Limits, _Mapping]] = ..., client_name: _Optional[str] = ..., role: _Optional[str] = ..., truth: bool = ...) -> None: ...
 
 class FrustumKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
