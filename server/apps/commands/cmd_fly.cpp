@@ -287,7 +287,10 @@ void add_fly(CLI::App& app) {
           "Of TRACK's and --udp's heights, where a header names none; default: m")
       ->type_name("UNIT")
       ->check(CLI::IsMember({"m", "ft"}));
-  command->callback([arguments] { run(*arguments); });
+  command->callback([arguments, command] {
+    arguments->datagrams.dis = command->count("--dis") > 0;
+    run(*arguments);
+  });
 }
 
 }  // namespace obliq

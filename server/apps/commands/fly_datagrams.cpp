@@ -302,8 +302,7 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
                   "In place of TRACK: the ownship is this entity of a DIS exercise, by its Entity State PDUs "
                   "to port 3000 or --udp; with --targets it may be left out")
       ->type_name("SITE:APP:ENTITY")
-      ->expected(0, 1)
-      ->each([&source](const std::string&) { source.dis = true; });
+      ->expected(0, 1);
   add_target_options(command, source.targets);
   command
       .add_option("--listen", source.address,
