@@ -50,7 +50,8 @@ std::vector<KeyText> all_keys() {
     list.push_back({KeyGroup::list, platform_key(*p), p->key, std::string(type_name(slot)),
                     toml_text(load(p->key, slot)), allowed_text(p->key, slot), Change::restart});
   }
-  add<TargetType>(list, KeyGroup::list, "target_types.NAME.", {target_type_rows(), target_type_special_keys()});
+  add<TargetType>(list, KeyGroup::list, "target_types.NAME.",
+                  {target_type_rows(), target_type_special_keys()});
   add<Target>(list, KeyGroup::list, "target.", {target_rows()});
   add<TargetConfig>(list, KeyGroup::list, "target.", {target_config_rows()});
   add<RoutePoint>(list, KeyGroup::list, "target.route.", {route_rows()});

@@ -46,7 +46,8 @@ std::vector<FieldError> read_route(const wire::TargetRoute& message, RouteSpec& 
   demand("height_m", message.height_m_size(), message.height_m_size() == n || message.height_m_size() == 0,
          as_many + ", or none");
   demand("speed_m_s", message.speed_m_s_size(),
-         message.speed_m_s_size() == n || message.speed_m_s_size() == 1 || n == 0, as_many + ", or one for all");
+         message.speed_m_s_size() == n || message.speed_m_s_size() == 1 || n == 0,
+         as_many + ", or one for all");
   if (n > static_cast<int>(kMostRoutePoints))
     errors.push_back({"route", std::to_string(n) + " points", "at most " + std::to_string(kMostRoutePoints)});
   if (!errors.empty()) return errors;

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kMostDatagram = 8192;
 // 12 s of 10,000 PDUs a second, as far as the kernel grants it.
 constexpr int kWantedBuffer = 16 << 20;
-constexpr std::size_t kMostWaiting = std::size_t{64} << 20;
+constexpr std::size_t kMostWaiting = std::size_t{16} << 20;  // while the server does not answer
 constexpr int kLook_ms = 50;
 
 /// Of the kernel's count of what it has dropped; the one before where the message has none.

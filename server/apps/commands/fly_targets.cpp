@@ -112,8 +112,12 @@ bool TargetFeed::send(Time now) {
   next_batch_ = now + kBatchPause;
   find_centre(now);
   const EntityTable::Changes changes = table_.changes(now, centre_m_);
-  if (const std::size_t left = table_.left_out(); left != std::exchange(told_left_, left) && left > 0)
-    news_.add("more entities than --most: those furthest away are left out");
+  const std::size_t left = table_.left_out();
+  if (std::exchange(told_left_, left) == 0 && left > 0)
+    news_.add(
+        fmt::format("{} entities are left out, those furthest away: there are more than --most or the server "
+                    "has room for",
+                    left));
   wire::SetTargets change;
   for (const EntityId& id : changes.gone) change.add_gone(target_id(id));
   for (const EntityTable::Moving& entity : changes.set) {

@@ -16,7 +16,8 @@ bool accelerates(int algorithm) {
   return algorithm == kRvw || algorithm == kFvw || algorithm == kRvb || algorithm == kFvb;
 }
 int algorithm_of(const EntityState& state) {
-  return state.frozen || state.dead_reckoning < kFpw || state.dead_reckoning > kFvb ? 1 : state.dead_reckoning;
+  return state.frozen || state.dead_reckoning < kFpw || state.dead_reckoning > kFvb ? 1
+                                                                                    : state.dead_reckoning;
 }
 
 /// f[n] = sum over k of (-1)^k x^(2k) / (2k + n)!, n from 0 to 4: cos x, sin x / x, (1 - cos x) / x^2,

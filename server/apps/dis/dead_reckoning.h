@@ -14,12 +14,12 @@ struct EntityMotion {
   glm::dvec3 turn_rad_s{0.0};  ///< of the body; 0: its axes stay
 };
 
-/// So long after its PDU, or before it, by the algorithm that it names (IEEE 1278.1-2012, annex E, table E.1).
-/// F: axes fixed, R: they turn; P: constant velocity, V: with acceleration; W: along the earth's axes, B: along
-/// the body's.
+/// So long after its PDU, or before it, by the algorithm that it names (IEEE 1278.1-2012, annex E, table
+/// E.1). F: axes fixed, R: they turn; P: constant velocity, V: with acceleration; W: along the earth's axes,
+/// B: along the body's.
 ///   1 static; 2 FPW, 3 RPW: p + v t; 4 RVW, 5 FVW: p + v t + a t^2 / 2; 6 FPB, 9 FVB: the same, since axes
-///   that do not turn keep their direction; 7 RPB, 8 RVB: the velocity turns with the body, v(t) = R(t) (v + a
-///   t), and the place is its integral in closed form: exact, to rounding.
+///   that do not turn keep their direction; 7 RPB, 8 RVB: the velocity turns with the body, v(t) = R(t) (v +
+///   a t), and the place is its integral in closed form: exact, to rounding.
 /// 0, numbers above 9 and frozen entities stand.
 EntityMotion reckoned(const EntityState& state, double after_s);
 

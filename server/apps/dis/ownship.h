@@ -42,9 +42,9 @@ constexpr std::size_t kMotionDatagramBytes = 96;  ///< version 2: with velocity 
 /// obliq's own: little-endian, README.md has the table. Numbers outside a pose's limits are no pose.
 std::variant<OwnshipPose, NoPose> read_pose_datagram(std::span<const std::byte> bytes);
 
-/// Where the entity is so long after the PDU, by its dead reckoning (dead_reckoning.h). Its attitude is against
-/// the vertical of the place where the PDU had it; one beyond the limits is not said. What stands without
-/// being frozen has the velocity that it was sent with.
+/// Where the entity is so long after the PDU, by its dead reckoning (dead_reckoning.h). Its attitude is
+/// against the vertical of the place where the PDU had it; one beyond the limits is not said. What stands
+/// without being frozen has the velocity that it was sent with.
 OwnshipPose dead_reckoned(const EntityState& state, double after_s);
 /// Its roll and pitch as they were sent, of any size.
 Attitude attitude_of(const EntityState& state);

@@ -31,7 +31,8 @@ std::string text_of(const DisEntityType& type);
 class DisPattern {
  public:
   static constexpr const char* kAllowed =
-      "one to seven parts kind.domain.country.category.subcategory.specific.extra, each 0 to 255 (country: to "
+      "one to seven parts kind.domain.country.category.subcategory.specific.extra, each 0 to 255 (country: "
+      "to "
       "65535) or \"*\", such as \"1.1.225.7\"";
 
   /// Empty: it is none.
