@@ -143,7 +143,7 @@ TEST_F(FlyTargets, EntitiesAreTargetsOfTheirTypes) {
   const std::string log = end(*running);
   EXPECT_NE(
       log.find(
-          "targets: 1 entities, 1 PDUs of entities that no type has, 0 datagrams lost, 1 datagrams that were "
+          "targets: 1 entity, 1 PDUs of entities that no type has, 0 datagrams lost, 1 datagrams that were "
           "none"),
       std::string::npos)
       << log;
@@ -177,7 +177,7 @@ TEST_F(FlyTargets, AnOwnshipIsNoTargetAndHasTheTargetsClock) {
   // One clock: both count from the command's start, a moment ago.
   EXPECT_LT(std::abs(1e-9 * static_cast<double>(info.pose().sim_time_ns() - list.targets(0).sim_time_ns())),
             20);
-  EXPECT_NE(end(*running).find("targets: 1 entities\n"), std::string::npos);
+  EXPECT_NE(end(*running).find("targets: 1 entity\n"), std::string::npos);
 }
 
 TEST_F(FlyTargets, OfTooManyTheNearestToTheRadarStay) {

@@ -160,7 +160,7 @@ bool TargetFeed::send(const wire::SetTargets& change) {
 }
 
 std::string TargetFeed::summary() const {
-  std::string text = fmt::format("{} entities", table_.size());
+  std::string text = fmt::format("{} {}", table_.size(), table_.size() == 1 ? "entity" : "entities");
   const auto add = [&](std::uint64_t count, const char* what) {
     if (count > 0) text += fmt::format(", {} {}", count, what);
   };
