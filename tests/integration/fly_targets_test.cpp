@@ -233,6 +233,29 @@ TEST_F(FlyTargets, DatagramsFromOtherNetworksAreNotTaken) {
   EXPECT_EQ(once_so_many(1).targets_size(), 1);
 }
 
+TEST_F(FlyTargets, WhatTheKernelDropsIsCounted) {
+  const auto running = fly({"--targets"});
+  running->send_signal(SIGSTOP);
+  const Bytes pdu = pdu_of({});
+  // More than any buffer that it is granted: 32 MiB hold some 44,000.
+  constexpr int kSent = 150'000;
+  for (int k = 0; k < kSent; ++k) send(pdu);
+  running->send_signal(SIGCONT);
+  // The count comes with the next datagram that finds room.
+  const wire::TargetList list = once([&](const wire::TargetList& now) {
+    send(pdu_of({.number = 2}));
+    return now.targets_size() == 2;
+  });
+  EXPECT_EQ(list.targets_size(), 2);
+  const std::string log = end(*running);
+  const std::string before = "targets: 2 entities, ";
+  const std::size_t at = log.rfind(before);
+  ASSERT_NE(at, std::string::npos) << log;
+  const int lost = std::stoi(log.substr(at + before.size()));
+  EXPECT_GT(lost, 0) << log;
+  EXPECT_LT(lost, kSent) << log;
+}
+
 TEST_F(FlyTargets, AServerThatComesBackHearsOfAllAgain) {
   const std::string address = daemon.address();
   const auto running = fly({"--targets", "--timeout", "600"});

@@ -36,6 +36,7 @@ constexpr milliseconds kLook{10};
 constexpr milliseconds kPause{1000};
 // A datagram that is older than the newest by more has not been overtaken on its way: the clock was set back.
 constexpr std::int64_t kReordered_ns = 1'000'000'000;
+constexpr std::chrono::nanoseconds kOvertaken{kReordered_ns};
 
 std::optional<EntityId> entity_of(const DatagramSource& source) {
   if (source.entity.empty()) return std::nullopt;
@@ -134,11 +135,12 @@ class Ride {
     if (!state.active) return leave("is deactivated");
     const OwnshipPose pose = dead_reckoned(state, 0);
     if (const std::string fault = fault_of(pose); !fault.empty()) return news_.refuse(fault);
+    arrived_ = arrived;
+    if (newest_ && stamped < stamped_ && stamped_ - stamped < kOvertaken) return;
     has_left_ = false;
     hear_of_attitude(fault_of(attitude_of(state)));
     newest_ = state;
     stamped_ = stamped;
-    arrived_ = arrived;
     next_ = Clock::now();
     silent_ = false;
   }
