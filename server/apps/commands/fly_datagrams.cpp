@@ -141,6 +141,7 @@ class Ride {
     hear_of_attitude(fault_of(attitude_of(state)));
     newest_ = state;
     stamped_ = stamped;
+    if (stopped_since_) stopped_since_ = stamped;  // it goes on from there
     next_ = Clock::now();
     silent_ = false;
   }
