@@ -140,6 +140,7 @@ void write_message(const TargetType& type, wire::TargetType& message) {
   message.set_length_m(type.size.length_m);
   message.set_width_m(type.size.width_m);
   message.set_top_m(type.size.top_m);
+  message.mutable_dis()->Assign(type.dis.begin(), type.dis.end());
 }
 
 }  // namespace obliq

@@ -2,7 +2,10 @@
 // within its limits, or none.
 #include <cmath>
 
-#include "server/apps/ownship/ownship.h"
+#include "proto/obliq.pb.h"
+#include "server/apps/dis/entity_target.h"
+#include "server/apps/dis/ownship.h"
+#include "server/control/target_message.h"
 #include "tests/fuzz/input.h"
 
 namespace obliq {
@@ -18,6 +21,23 @@ void check(const OwnshipPose& pose) {
   if (!fits) fuzz::broken("a pose outside its limits");
 }
 
+/// As a target of the world, between its PDUs.
+void check(const EntityState& state) {
+  static EntityKinds kinds({}, {});
+  EntityTable table({});
+  const EntityTable::Time start{std::chrono::hours(1)};
+  table.take(state, start, start);
+  for (const int after_s : {0, 5, 11}) {
+    for (const EntityTable::Moving& entity : table.changes(start + std::chrono::seconds(after_s), {}).set) {
+      const EntityKinds::Match kind = kinds.of(state.type);
+      wire::Target target;
+      if (kind.type == nullptr || !write_target(entity, kind, {}, target)) continue;
+      TargetConfig config;
+      if (!merge_message(target, {}, config).empty()) fuzz::broken("a target outside its limits");
+    }
+  }
+}
+
 void run(std::span<const std::byte> bytes) {
   const auto pose = read_pose_datagram(bytes);
   if (const auto* found = std::get_if<OwnshipPose>(&pose)) check(*found);
@@ -25,6 +45,8 @@ void run(std::span<const std::byte> bytes) {
   if (const auto* order = std::get_if<SimulationOrder>(&state)) (void)is_for(order->receiver, {1, 2, 3});
   if (const auto* found = std::get_if<EntityState>(&state))
     for (const double after_s : {0.0, 0.1, 12.0}) check(dead_reckoned(*found, after_s));
+  if (const auto* found = std::get_if<EntityState>(&state)) check(*found);
+  for (std::span<const std::byte> rest = bytes; !rest.empty();) (void)take_pdu(rest);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ LINES_A_SECOND, LINES_ANYWAY = 1, 12
 
 
 def pose(latitude=33.0, longitude=-99.5, height=2500.0, heading=0.0, sim_time_ns=0, number=1, magic=b"OBLP"):
-    """server/apps/ownship/README.md"""
+    """server/apps/dis/README.md"""
     return struct.pack("<4sHHqddddQ", magic, 1, 0, sim_time_ns, latitude, longitude, height, heading, number)
 
 
@@ -130,6 +130,28 @@ def bad_entities(place):
     flight.send(entity(velocity=(15000, 0, 0), acceleration=(19000, 0, 0), reckoning=4))
     time.sleep(1)
     return flight.end()
+
+
+@attack()
+def bad_targets(place):
+    """An exercise of random entities and orders, as many as go; PDUs of any numbers; the daemon has what it may have."""
+    served = place.daemon()
+    flight, draw, until = Flight(place, served, "--dis", "1:2:3", "--targets"), place.random, place.until(0.7)
+    while time.monotonic() < until:
+        data = bytearray(entity(velocity=(draw.uniform(-300, 300), 0, 0), reckoning=draw.randrange(10), number=draw.randrange(65536)))
+        data[20:28] = bytes((draw.randrange(4), draw.randrange(6))) + draw.randbytes(6)
+        data[116:128] = struct.pack(">fff", *(draw.uniform(-9, 9) for _ in range(3)))
+        data[129:140] = draw.randbytes(11)
+        if flight.sent % 3 == 0:
+            data[draw.randrange(ENTITY_BYTES)] = draw.randrange(256)
+        if flight.sent % 500 == 499:  # Remove, Start, Stop to all
+            kind, size = draw.choice(((12, 28), (13, 44), (14, 40)))
+            data = bytearray(struct.pack(">BBBBIHHHHHHHH", 7, 1, kind, 5, 0, size, 0, 9, 9, 9, *(65535,) * 3) + bytes(size - 24))
+        flight.send(bytes(data))
+    time.sleep(1)
+    status = wire.pb.Status.FromString(place.peer(served).demand(wire.GET_STATUS))
+    place.expect(0 < status.targets <= status.max_targets, f"{status.targets} targets; allowed: 1 to {status.max_targets}")
+    return f"{flight.end()}, {status.targets} targets"
 
 
 @attack()

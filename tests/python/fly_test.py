@@ -15,7 +15,7 @@ A, F = 6378137.0, 1 / 298.257223563  # WGS84
 
 
 def pose_datagram(latitude, longitude, height, bearing, sim_time_ns=0, pose_id=0, magic=b"OBLP", version=1):
-    """server/apps/ownship/README.md"""
+    """server/apps/dis/README.md"""
     return struct.pack("<4sHHqddddQ", magic, version, 0, sim_time_ns, latitude, longitude, height, bearing, pose_id)
 
 

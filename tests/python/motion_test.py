@@ -11,7 +11,7 @@ import numpy as np
 
 
 def motion_datagram(north, east, up, roll, pitch, has=3, latitude=33.0, number=1, version=2):
-    """server/apps/ownship/README.md"""
+    """server/apps/dis/README.md"""
     return struct.pack("<4sHHqddddQ5d", b"OBLP", version, has, 5_000_000_000 + number, latitude, -99.5, 1500.0, 10.0, number,
                        north, east, up, roll, pitch)
 

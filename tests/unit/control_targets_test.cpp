@@ -1,6 +1,8 @@
 // [[target]] and [target_types.NAME]: what a file means, what a printed one reads back as, and how mistakes
 // are answered.
+#include "proto/obliq.pb.h"
 #include "server/control/sections/targets.h"
+#include "server/control/target_message.h"
 #include "tests/unit/scene_file_fixture.h"
 
 namespace obliq {
@@ -22,16 +24,35 @@ TEST_F(Targets, HaveWhatTheirTypeSaysAndTheyThemselves) {
   EXPECT_EQ(set->seed, 9);
   const Target& one = set->targets[0];
   EXPECT_EQ(one.id, 1u);
-  EXPECT_EQ(one.size, (TargetSize{45, 2, 120, 20, 15}));
+  EXPECT_EQ(one.size, (TargetSize{45, nullptr, 2, 120, 20, 15}));
   EXPECT_EQ(one.height_reference, HeightReference::ground);
   EXPECT_NEAR(one.velocity_m_s.z, 10 * 1852.0 / 3600, 1e-12);
   EXPECT_EQ(one.heading_deg, 20);
   const Target& two = set->targets[1];
   EXPECT_EQ(two.id, 2u);
-  EXPECT_EQ(two.size, (TargetSize{30, 2, 120, 20, 15}));
+  EXPECT_EQ(two.size, (TargetSize{30, nullptr, 2, 120, 20, 15}));
   EXPECT_FALSE(two.heading_deg);
   EXPECT_EQ(two.height_m, 500);
   EXPECT_EQ(targets_of(read(kFlat)), nullptr);
+}
+
+TEST_F(Targets, TypesHavePatternsOfDis) {
+  const SceneConfig config =
+      read(kFlat + kShip + "dis = [\"1.3.225.6\", \"1.3.*.50\"]\n[target_types.boat]\ndis = \"1.3\"\n");
+  ASSERT_EQ(config.target_types.size(), 2u);
+  EXPECT_EQ(config.target_types[0].dis, std::vector<std::string>{"1.3"});
+  EXPECT_EQ(config.target_types[1].dis, (std::vector<std::string>{"1.3.225.6", "1.3.*.50"}));
+  const SceneConfig again = read(print_config(config));
+  EXPECT_EQ(again.target_types[1].dis, config.target_types[1].dis);
+  EXPECT_EQ(again.target_types[1].size, config.target_types[1].size);
+  wire::TargetType message;
+  write_message(config.target_types[1], message);
+  ASSERT_EQ(message.dis_size(), 2);
+  EXPECT_EQ(message.dis(1), "1.3.*.50");
+  for (const char* none : {"\"1.3.x\"", "\"\"", "[\"1.3\", \"1.3.225.256\"]", "\"1.3.225.1.1.1.1.1\""})
+    EXPECT_SAYS(complaint(kFlat + kShip + "dis = " + none + "\n"), "target_types.ship.dis") << none;
+  EXPECT_SAYS(complaint(kFlat + kShip + "dis = [\"1.3.70000\"]\n"), "such as \"1.1.225.7\"");
+  EXPECT_SAYS(complaint(kFlat + kShip + "dis = 13\n"), "target_types.ship.dis");
 }
 
 TEST_F(Targets, OfAPrintedSceneAreTheSame) {

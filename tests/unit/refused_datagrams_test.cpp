@@ -1,5 +1,5 @@
 // What obliq fly says of datagrams that are no pose.
-#include "server/apps/ownship/refused_datagrams.h"
+#include "server/apps/dis/refused_datagrams.h"
 
 #include <gtest/gtest.h>
 

@@ -200,21 +200,32 @@ void read_through(TrackReader& track) {
 }
 
 void run(const FlyArguments& arguments) {
-  if (arguments.track.empty() == !arguments.datagrams.wanted())
-    throw InputError("fly: found " +
-                     std::string(arguments.track.empty() ? "no TRACK" : "TRACK and --udp or --dis") +
-                     "; allowed: one of TRACK, --udp PORT, --dis SITE:APP:ENTITY");
-  if (!arguments.datagrams.entity.empty() && arguments.height_unit_m != 1)
+  const DatagramSource& datagrams = arguments.datagrams;
+  if (arguments.track.empty() == !datagrams.wanted())
+    throw InputError(
+        "fly: found " +
+        std::string(arguments.track.empty() ? "no TRACK" : "TRACK and --udp, --dis or --targets") +
+        "; allowed: one of TRACK, --udp PORT, --dis SITE:APP:ENTITY, --targets");
+  if (datagrams.dis && datagrams.entity.empty() && !datagrams.targets.wanted)
+    throw InputError("--dis: found no entity; allowed: SITE:APP:ENTITY, or --targets beside it");
+  if (datagrams.is_dis() && arguments.height_unit_m != 1)
     throw InputError("--height-unit: found ft with --dis; allowed: m, in which PDUs are");
-  if (arguments.datagrams.wanted() && arguments.speed != 1)
+  if (datagrams.wanted() && arguments.speed != 1)
     throw InputError("--speed: found " + toml_number(arguments.speed) +
                      " with --udp or --dis; allowed: with TRACK; --time-rate is of datagrams");
   heed_interrupts();
-  if (arguments.datagrams.wanted()) {
+  if (datagrams.is_dis() && datagrams.entity.empty()) {
+    client::Client client = connect_to_server(arguments.server, "obliq fly");
+    const auto& radars = client.welcome().radars();
+    const std::string radar =
+        arguments.server.radar.empty() && !radars.empty() ? radars[0] : arguments.server.radar;
+    return feed_targets(std::move(client), datagrams, radar, arguments.reconnect_s);
+  }
+  if (datagrams.wanted()) {
     client::Client client = connect_to_server(arguments.server, "obliq fly");
     const std::string radar = choose_flown(client, arguments.server);
-    return fly_by_datagrams(std::move(client), radar, arguments.datagrams, arguments.rate_hz,
-                            arguments.reference, arguments.height_unit_m, arguments.reconnect_s);
+    return fly_by_datagrams(std::move(client), radar, datagrams, arguments.rate_hz, arguments.reference,
+                            arguments.height_unit_m, arguments.reconnect_s);
   }
   TrackReader track(arguments.track, arguments.height_unit_m);
   if (track.is_file()) read_through(track);
@@ -276,7 +287,10 @@ void add_fly(CLI::App& app) {
           "Of TRACK's and --udp's heights, where a header names none; default: m")
       ->type_name("UNIT")
       ->check(CLI::IsMember({"m", "ft"}));
-  command->callback([arguments] { run(*arguments); });
+  command->callback([arguments, command] {
+    arguments->datagrams.dis = command->count("--dis") > 0;
+    run(*arguments);
+  });
 }
 
 }  // namespace obliq

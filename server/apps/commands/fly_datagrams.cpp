@@ -1,8 +1,6 @@
 #include "server/apps/commands/fly_datagrams.h"
 
 #include <fmt/core.h>
-#include <poll.h>
-#include <sys/socket.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -15,13 +13,14 @@
 
 #include "proto/error_number.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/fly_news.h"
 #include "server/apps/commands/number_option.h"
+#include "server/apps/commands/pdu_source.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
-#include "server/apps/commands/udp_socket.h"
-#include "server/apps/ownship/refused_datagrams.h"
+#include "server/apps/dis/ownship.h"
+#include "server/apps/scene_arguments.h"
 #include "terrain/base/errors.h"
-#include "terrain/base/files.h"
 #include "terrain/base/units.h"
 
 namespace obliq {
@@ -30,20 +29,31 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr int kDisPort = 3000;  // IEEE 1278.2-2015, 5.6
 // An entity that sends no PDU for so long has gone: 2.4 heartbeats of 5 s, IEEE 1278.1-2012, 4.2.8.
 constexpr double kDisTimeout_s = 12;
 constexpr milliseconds kLook{10};
-// Between lines of news, and between orders that are passed on to the server, however fast they come.
+// Between orders that are passed on to the server, however fast they come.
 constexpr milliseconds kPause{1000};
 // A datagram that is older than the newest by more has not been overtaken on its way: the clock was set back.
 constexpr std::int64_t kReordered_ns = 1'000'000'000;
-constexpr std::size_t kMostDatagram = 2048;  // longer ones are cut, and only what a PDU adds is lost
+constexpr std::chrono::nanoseconds kOvertaken{kReordered_ns};
+
+std::optional<EntityId> entity_of(const DatagramSource& source) {
+  if (source.entity.empty()) return std::nullopt;
+  const auto entity = parse_entity_id(source.entity);
+  if (!entity)
+    throw InputError(
+        fmt::format("--dis: found \"{}\"; allowed: SITE:APP:ENTITY, each 0 to 65535", source.entity));
+  return entity;
+}
 
 /// What comes is sent on; what is no pose is counted and told.
 class Ride {
  public:
-  void note_loss() { lost_ = true; }
+  void note_loss() {
+    lost_ = true;
+    if (feed_) feed_->note_loss();
+  }
 
   Ride(client::ResumingClient& client, std::string radar, const DatagramSource& source, double rate_hz,
        const std::string& height_reference, double height_unit_m)
@@ -51,117 +61,110 @@ class Ride {
         radar_(std::move(radar)),
         source_(source),
         rate_hz_(rate_hz),
-        height_unit_m_(height_unit_m) {
-    if (!source.entity.empty()) {
-      entity_ = parse_entity_id(source.entity);
-      if (!entity_)
-        throw InputError(
-            fmt::format("--dis: found \"{}\"; allowed: SITE:APP:ENTITY, each 0 to 65535", source.entity));
-    }
+        height_unit_m_(height_unit_m),
+        entity_(entity_of(source)),
+        datagrams_(source, radar_) {
     if (height_reference == "datum") reference_ = wire::DATUM;
     if (height_reference == "ground") reference_ = wire::GROUND;
     if (height_reference == "ellipsoid" || entity_) reference_ = wire::ELLIPSOID;
-    int port = 0;
-    socket_ = bind_udp(source.address, source.interface, source.udp_port >= 0 ? source.udp_port : kDisPort,
-                       entity_.has_value(), port);
-    std::printf("%s: listening on %s:%d\n", radar_.c_str(), source.address.c_str(), port);
-    std::fflush(stdout);
+    if (source.targets.wanted) feed_.emplace(client, news_, source, entity_, start_, radar_);
   }
 
   void run() {
-    std::array<std::byte, kMostDatagram> bytes;
     while (!interrupted()) {
       // Heartbeats are answered, and a takeover by an admin is heard. A lost connection is taken up again.
       const client::Status status = client_.receive(milliseconds(0));
       if (status.outcome != client::Outcome::timed_out) require(status);
       if (lost_) back_again();
-      pollfd waiting{socket_.get(), POLLIN, 0};
-      if (poll(&waiting, 1, static_cast<int>(kLook.count())) > 0) {
-        for (ssize_t size; (size = recv(socket_.get(), bytes.data(), bytes.size(), 0)) >= 0;)
-          take(std::span<const std::byte>(bytes).first(static_cast<std::size_t>(size)));
-      }
+      take();
       if (entity_) reckon();
+      if (feed_) feed();
       if (Clock::now() >= next_order_ && is_frozen_ != stopped_since_.has_value()) freeze();
-      // One line a second in all: what is no pose comes first.
-      if (const std::string line = refused_.line(Clock::now()); !line.empty()) {
-        tell(line);
-        next_news_ = Clock::now() + kPause;
-      } else if (Clock::now() >= next_news_) {
-        tell_news();
-      }
+      news_.tell_what_is_due();
     }
-    tell(refused_.rest());
-    tell_news();
+    news_.tell_the_rest();
   }
 
   void print_summary() const {
-    std::printf("%s: %llu poses, %llu datagrams that were none\n", radar_.c_str(),
-                static_cast<unsigned long long>(sent_), static_cast<unsigned long long>(refused_.all()));
+    std::printf("%s: %llu poses, %llu datagrams that were none%s\n", radar_.c_str(),
+                static_cast<unsigned long long>(sent_), static_cast<unsigned long long>(news_.refused()),
+                datagrams_.losses().c_str());
+    if (feed_) std::printf("targets: %s\n", feed_->summary().c_str());
+  }
+  void release_targets() {
+    if (feed_) feed_->release();
   }
 
  private:
-  /// In one line, at most one a second, whatever comes: what is the same as before is told once.
-  void tell_news() {
-    if (news_.empty()) return;
-    std::string line;
-    for (const std::string& one : news_) line += (line.empty() ? "" : "; ") + one;
-    news_.clear();
-    next_news_ = Clock::now() + kPause;
-    tell(line);
-  }
-  void add_news(std::string text) {
-    constexpr std::size_t kMostNews = 8;
-    if (news_.size() < kMostNews && std::ranges::find(news_, text) == news_.end())
-      news_.push_back(std::move(text));
-  }
-
-  static void tell(const std::string& line) {
-    if (!line.empty()) std::fprintf(stderr, "obliq: %s\n", line.c_str());
-  }
-
-  /// The server may be another one, which knows nothing of before; what came meanwhile is old.
+  /// The server may be another one, which knows nothing of before; poses that came meanwhile are old.
   void back_again() {
     lost_ = false;
     says_bearing_ = true;
-    std::array<std::byte, kMostDatagram> old;
-    while (!entity_ && recv(socket_.get(), old.data(), old.size(), 0) >= 0) {
-    }
+    if (!entity_) (void)datagrams_.take(milliseconds(0));
   }
 
-  void take(std::span<const std::byte> bytes) {
-    if (!entity_) {
-      const auto read = read_pose_datagram(bytes);
-      if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
-      const OwnshipPose& pose = std::get<OwnshipPose>(read);
-      const bool set_back = clock_ns_ && pose.sim_time_ns < *clock_ns_ - kReordered_ns;
-      clock_ns_ = pose.sim_time_ns;
-      return send(pose, pose.sim_time_ns, pose.pose_id, set_back);
+  void take() {
+    if (entity_)
+      return datagrams_.take(kLook, news_,
+                             [this](const Pdu& pdu, Clock::time_point stamped, Clock::time_point arrived) {
+                               take(pdu, stamped, arrived);
+                             });
+    const Datagrams came = datagrams_.take(kLook);
+    for (const Datagrams::One& one : came.all) take_pose(came.of(one));
+  }
+
+  void take_pose(std::span<const std::byte> bytes) {
+    const auto read = read_pose_datagram(bytes);
+    if (const auto* none = std::get_if<NoPose>(&read)) return news_.refuse(none->why);
+    const OwnshipPose& pose = std::get<OwnshipPose>(read);
+    const bool set_back = clock_ns_ && pose.sim_time_ns < *clock_ns_ - kReordered_ns;
+    clock_ns_ = pose.sim_time_ns;
+    send(pose, pose.sim_time_ns, pose.pose_id, set_back);
+  }
+
+  void take(const Pdu& pdu, Clock::time_point stamped, Clock::time_point arrived) {
+    if (const auto* order = std::get_if<SimulationOrder>(&pdu)) {
+      if (feed_) feed_->obey(*order, arrived);
+      return obey(*order);
     }
-    const auto read = read_pdu(bytes);
-    if (const auto* none = std::get_if<NoPose>(&read)) return refused_.add(none->why);
-    if (const auto* order = std::get_if<SimulationOrder>(&read)) return obey(*order);
-    const EntityState& state = std::get<EntityState>(read);
-    if (!(state.id == *entity_) || (source_.exercise >= 0 && state.exercise != source_.exercise)) return;
+    const EntityState& state = std::get<EntityState>(pdu);
+    if (!(state.id == *entity_)) {
+      if (feed_) feed_->take(state, stamped, arrived);
+      return;
+    }
     if (!state.active) return leave("is deactivated");
+    const OwnshipPose pose = dead_reckoned(state, 0);
+    if (const std::string fault = fault_of(pose); !fault.empty()) return news_.refuse(fault);
+    arrived_ = arrived;
+    if (newest_ && stamped < stamped_ && stamped_ - stamped < kOvertaken) return;
     has_left_ = false;
-    hear_of_attitude(fault_of(state.attitude));
+    hear_of_attitude(fault_of(attitude_of(state)));
     newest_ = state;
-    arrived_ = Clock::now();
-    next_ = arrived_;
+    stamped_ = stamped;
+    if (stopped_since_) stopped_since_ = stamped;  // it goes on from there
+    next_ = Clock::now();
     silent_ = false;
   }
 
+  void feed() {
+    const auto now = Clock::now();
+    if (newest_) feed_->set_centre(newest_->location_m);
+    if (!feed_->send(now)) return;  // run() takes it up again
+    status_.tell(feed_->summary() + datagrams_.losses(), now);
+  }
+
   void obey(const SimulationOrder& order) {
-    if (!is_for(order.receiver, *entity_) || (source_.exercise >= 0 && order.exercise != source_.exercise))
-      return;
+    if (!is_for(order.receiver, *entity_)) return;
     if (order.what == SimulationOrder::What::remove) return leave("was removed");
     const bool stops = order.what == SimulationOrder::What::stop;
     if (stops == stopped_since_.has_value()) return;
-    add_news(source_.entity + (stops ? ": stopped by its simulation's manager" : ": goes on"));
+    news_.add(source_.entity + (stops ? ": stopped by its simulation's manager" : ": goes on"));
     if (stops) {
       stopped_since_ = Clock::now();
     } else {
-      arrived_ += Clock::now() - *std::exchange(stopped_since_, std::nullopt);
+      const auto pause = Clock::now() - *std::exchange(stopped_since_, std::nullopt);
+      stamped_ += pause;
+      arrived_ += pause;
     }
   }
 
@@ -171,7 +174,7 @@ class Ride {
     next_order_ = Clock::now() + kPause;
     wire::RadarInfo info;
     if (const client::Status status = client_.client().get_radar(radar_, info); !status.ok())
-      return add_news(radar_ + ": " + status.sentence());
+      return news_.add(radar_ + ": " + status.sentence());
     if (info.riders().empty()) return freeze(radar_);
     for (const std::string& rider : info.riders()) freeze(rider);
   }
@@ -184,21 +187,20 @@ class Ride {
       (void)client.release(radar, wire::kSettingsClaim);
     }
     if (!status.ok())
-      add_news(radar + (is_frozen_ ? " is not frozen: " : " is not thawed: ") + status.sentence());
+      news_.add(radar + (is_frozen_ ? " is not frozen: " : " is not thawed: ") + status.sentence());
   }
 
   void leave(const char* how) {
     newest_.reset();
     if (std::exchange(has_left_, true)) return;
-    add_news(source_.entity + " " + how + ": the radar stays where it is until an Entity State of it comes");
+    news_.add(source_.entity + " " + how + ": the radar stays where it is until an Entity State of it comes");
   }
 
   /// Between PDUs the entity goes on as its dead reckoning says.
   void reckon() {
     const auto now = Clock::now();
     if (!newest_ || now < next_ || silent_ || stopped_since_) return;
-    const double after_s = seconds_since(arrived_);
-    if (after_s > kDisTimeout_s) {
+    if (seconds_since(arrived_) > kDisTimeout_s) {
       silent_ = true;
       std::fprintf(stderr,
                    "obliq: no Entity State of %s for %.0f s: the radar stays where it is until one comes\n",
@@ -206,7 +208,8 @@ class Ride {
       return;
     }
     const auto since_start = std::chrono::duration_cast<std::chrono::nanoseconds>(now - start_);
-    send(dead_reckoned(*newest_, after_s), since_start.count(), sent_ + 1);
+    send(dead_reckoned(*newest_, std::chrono::duration<double>(now - stamped_).count()), since_start.count(),
+         sent_ + 1);
     next_ = rate_hz_ > 0 ? now + from_seconds(1 / rate_hz_) : Clock::time_point::max();
   }
 
@@ -235,11 +238,11 @@ class Ride {
     wire::Ack ack;
     const client::Status status = client_.client().set_pose(radar_, pose, ack);
     if (status.outcome == client::Outcome::refused && status.number == 100)
-      return refused_.add(status.sentence());
+      return news_.refuse(status.sentence());
     if (is_lost(client_, status)) return;  // run() takes it up again
     require(status);
     says_bearing_ = false;
-    hear({ack.warnings().begin(), ack.warnings().end()});
+    news_.hear({ack.warnings().begin(), ack.warnings().end()});
     ++sent_;
   }
 
@@ -247,16 +250,9 @@ class Ride {
   void hear_of_attitude(const std::string& fault) {
     const std::string what = fault.substr(0, fault.find(':'));
     if (what != attitude_fault_ && !what.empty())
-      add_news("roll and pitch are not taken, " + what + " is beyond " + fault.substr(fault.rfind(':') + 2) +
-               " degrees");
+      news_.add("roll and pitch are not taken, " + what + " is beyond " + fault.substr(fault.rfind(':') + 2) +
+                " degrees");
     attitude_fault_ = what;
-  }
-
-  /// Of an Ack: those that the one before had not.
-  void hear(std::vector<std::string> warnings) {
-    for (const std::string& warning : warnings)
-      if (std::ranges::find(warnings_, warning) == warnings_.end()) add_news("warning: " + warning);
-    warnings_ = std::move(warnings);
   }
 
   client::ResumingClient& client_;
@@ -264,12 +260,16 @@ class Ride {
   const DatagramSource& source_;
   const double rate_hz_;
   const double height_unit_m_;
-  std::optional<EntityId> entity_;
-  std::optional<wire::HeightReference> reference_;
-  UniqueFd socket_;
-  std::optional<EntityState> newest_;
-  Clock::time_point arrived_, next_;
   const Clock::time_point start_ = Clock::now();
+  std::optional<EntityId> entity_;
+  PduSource datagrams_;
+  std::optional<wire::HeightReference> reference_;
+  FlyNews news_;
+  std::optional<TargetFeed> feed_;
+  FeedStatus status_;
+  std::optional<EntityState> newest_;
+  Clock::time_point stamped_;  ///< when the newest was so
+  Clock::time_point arrived_, next_;
   bool silent_ = false;
   bool has_left_ = false;                           ///< the exercise
   std::optional<Clock::time_point> stopped_since_;  ///< by Stop/Freeze
@@ -277,11 +277,9 @@ class Ride {
   bool lost_ = false;                               ///< the connection, and it is back
   std::optional<std::int64_t> clock_ns_;            ///< of the newest datagram
   std::uint64_t sent_ = 0;
-  RefusedDatagrams refused_;
-  std::vector<std::string> news_, warnings_;
   std::string attitude_fault_;  ///< which angle is beyond its limit; empty: none
   bool is_frozen_ = false;      ///< by an order
-  Clock::time_point next_order_, next_news_;
+  Clock::time_point next_order_;
 };
 
 }  // namespace
@@ -305,8 +303,10 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
   command
       .add_option("--dis", source.entity,
                   "In place of TRACK: the ownship is this entity of a DIS exercise, by its Entity State PDUs "
-                  "to port 3000 or --udp")
-      ->type_name("SITE:APP:ENTITY");
+                  "to port 3000 or --udp; with --targets it may be left out")
+      ->type_name("SITE:APP:ENTITY")
+      ->expected(0, 1);
+  add_target_options(command, source.targets);
   command
       .add_option("--listen", source.address,
                   "IPv4 address to listen on; 0.0.0.0: all, for other machines; 224.0.0.0 to "
@@ -323,6 +323,17 @@ void add_datagram_options(CLI::App& command, DatagramSource& source) {
   command.add_option("--exercise", source.exercise, "Only PDUs of this exercise; without: of any")
       ->type_name("ID")
       ->check(CLI::Range(0, 255));
+  add_repeatable(
+      command, "--allow", source.allow,
+      "Only datagrams from this address or network, such as 10.0.0.0/24 (repeatable); without: from any",
+      "NETWORK");
+  command
+      .add_option(
+          "--clock", source.clock,
+          "Of PDUs: arrival, or absolute: by their timestamps where they are absolute and within 5 s of "
+          "this machine's UTC")
+      ->default_val("arrival")
+      ->check(CLI::IsMember({"arrival", "absolute"}));
   command.add_option("--look", source.look_deg, "Centre of the sector, clockwise from the heading")
       ->type_name("DEG")
       ->default_val(0.0)
@@ -367,6 +378,7 @@ void fly_by_datagrams(client::Client connected, const std::string& radar, const 
   riding = &ride;
   ride.run();
   ride.print_summary();
+  ride.release_targets();
   require(client.client().release_control(radar));
 }
 

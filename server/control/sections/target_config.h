@@ -13,6 +13,7 @@ struct TargetType {
   std::string name;
   std::string rcs_file;  ///< path of size.aspects; empty: none
   TargetSize size;
+  std::vector<std::string> dis;  ///< DisPattern texts: entities of DIS that are such targets
 };
 
 /// The type of that name; null: there is none.

@@ -4,6 +4,7 @@
 #include <array>
 #include <set>
 
+#include "server/control/sections/dis_pattern.h"
 #include "server/control/sections/parameter_row.h"
 #include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
@@ -48,16 +49,40 @@ void read_rcs_file(const FoundKey& found, TargetType& type) {
   type.rcs_file = resolved_path(found.node, found.scene.folder);
 }
 
-constexpr std::array kTypeFiles{special<TargetType>(
-    "rcs_file", "", kAny, "path",
-    "CSV with the heading aspect_deg,elevation_deg,rcs_dbsm in place of rcs_dbsm: aspect clockwise from the "
-    "nose, 0 to "
-    "180 alone for both sides; elevation of the radar over the target's level.",
-    read_rcs_file,
-    [](const TargetType& type, const SceneConfig&) {
-      return type.rcs_file.empty() ? std::string() : toml_string(type.rcs_file);
-    },
-    "", Change::restart)};
+void read_dis(const FoundKey& found, TargetType& type) {
+  for (const ConfigNode* node : found.reader.texts(found.name)) {
+    const auto& text = std::get<std::string>(node->value);
+    if (DisPattern::parse(text)) {
+      type.dis.push_back(text);
+    } else {
+      found.reader.complain(*node, found.name, DisPattern::kAllowed);
+    }
+  }
+}
+
+std::string printed_dis(const TargetType& type, const SceneConfig&) {
+  return type.dis.empty() ? "" : toml_list(type.dis, toml_string);
+}
+
+const std::array kTypeSpecial{
+    special<TargetType>(
+        "rcs_file", "", kAny, "path",
+        "CSV with the heading aspect_deg,elevation_deg,rcs_dbsm in place of rcs_dbsm: aspect clockwise from "
+        "the nose, "
+        "0 to 180 alone for both sides; elevation of the radar over the target's level.",
+        read_rcs_file,
+        [](const TargetType& type, const SceneConfig&) {
+          return type.rcs_file.empty() ? std::string() : toml_string(type.rcs_file);
+        },
+        "", Change::restart),
+    special<TargetType>(
+        "dis", "", kAny,
+        "a list of entity types, such as \"1.1.225.7\"; \"*\" stands for any number, and so does "
+        "what is left out at the end",
+        "Entities of DIS that are such targets; where several types fit, the one that says "
+        "most numbers.",
+        read_dis, printed_dis, "[]", Change::restart),
+};
 
 constexpr std::array kPlaceRows{
     Its::row<&Target::latitude_deg>("latitude_deg", "deg", kLatitude, "Where it is."),
@@ -120,7 +145,7 @@ constexpr std::array kTargetsRows{
 
 const Section kTargetsSection{"targets", {kTargetsRows}};
 
-Keys<TargetType> target_type_keys() { return {kTypeRows, kTypeFiles}; }
+Keys<TargetType> target_type_keys() { return {kTypeRows, kTypeSpecial}; }
 std::span<const Row<Target>> target_rows() { return kRows; }
 std::span<const Row<TargetConfig>> target_config_rows() { return kConfigRows; }
 std::span<const Row<RoutePoint>> route_rows() { return kRouteRows; }
@@ -204,6 +229,17 @@ void read_target_types(SceneReading& scene) {
     }
     std::ranges::sort(scene.config.target_types, {}, &TargetType::name);
   });
+}
+
+std::vector<TargetType> read_type_file(const ConfigNode& root) {
+  SceneConfig config;
+  Complaints complaints;
+  SectionReader top(root, "", complaints);
+  SceneReading scene{config, top, complaints, {}};
+  read_target_types(scene);
+  top.finish();
+  complaints.throw_if_any();
+  return std::move(config.target_types);
 }
 
 namespace {

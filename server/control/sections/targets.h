@@ -2,6 +2,7 @@
 // [target_types.NAME] and [[target]]: vehicles, ships and aircraft.
 #include <span>
 #include <string>
+#include <vector>
 
 #include "server/control/row.h"
 #include "server/control/sections/section.h"
@@ -9,9 +10,12 @@
 
 namespace obliq {
 
+struct ConfigNode;
 struct SceneConfig;
 struct SceneReading;
 struct Section;
+template <class T>
+struct SpecialKey;
 
 extern const Section kTargetsSection;
 
@@ -21,6 +25,8 @@ std::span<const Row<TargetConfig>> target_config_rows();
 std::span<const Row<RoutePoint>> route_rows();
 
 void read_target_types(SceneReading& scene);
+/// Of a file that has tables [target_types.NAME] alone: rising by name. Throws InputError.
+std::vector<TargetType> read_type_file(const ConfigNode& root);
 /// After their types.
 void read_targets(SceneReading& scene);
 std::string printed_targets(const SceneConfig& config);

@@ -1239,20 +1239,22 @@ class TargetRoute(_message.Message):
     def __init__(self, latitude_deg: _Optional[_Iterable[float]] = ..., longitude_deg: _Optional[_Iterable[float]] = ..., height_m: _Optional[_Iterable[float]] = ..., speed_m_s: _Optional[_Iterable[float]] = ..., loops: bool = ...) -> None: ...
 
 class TargetType(_message.Message):
-    __slots__ = ["length_m", "name", "rcs_dbsm", "swerling", "top_m", "width_m"]
+    __slots__ = ["dis", "length_m", "name", "rcs_dbsm", "swerling", "top_m", "width_m"]
+    DIS_FIELD_NUMBER: _ClassVar[int]
     LENGTH_M_FIELD_NUMBER: _ClassVar[int]
     NAME_FIELD_NUMBER: _ClassVar[int]
     RCS_DBSM_FIELD_NUMBER: _ClassVar[int]
     SWERLING_FIELD_NUMBER: _ClassVar[int]
     TOP_M_FIELD_NUMBER: _ClassVar[int]
     WIDTH_M_FIELD_NUMBER: _ClassVar[int]
+    dis: _containers.RepeatedScalarFieldContainer[str]
     length_m: float
     name: str
     rcs_dbsm: float
     swerling: int
     top_m: float
     width_m: float
-    def __init__(self, name: _Optional[str] = ..., rcs_dbsm: _Optional[float] = ..., swerling: _Optional[int] = ..., length_m: _Optional[float] = ..., width_m: _Optional[float] = ..., top_m: _Optional[float] = ...) -> None: ...
+    def __init__(self, name: _Optional[str] = ..., rcs_dbsm: _Optional[float] = ..., swerling: _Optional[int] = ..., length_m: _Optional[float] = ..., width_m: _Optional[float] = ..., top_m: _Optional[float] = ..., dis: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class Unsubscribe(_message.Message):
     __slots__ = ["radar", "request_id"]

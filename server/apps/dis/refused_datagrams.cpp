@@ -1,4 +1,4 @@
-#include "server/apps/ownship/refused_datagrams.h"
+#include "server/apps/dis/refused_datagrams.h"
 
 #include <fmt/core.h>
 
