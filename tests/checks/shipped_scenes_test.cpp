@@ -22,14 +22,16 @@ TEST(ShippedScenes, AreAcceptedAndNameFilesThatShipWithThem) {
   for (const std::filesystem::path& path : shipped_scenes()) {
     SCOPED_TRACE(path.filename());
     const SceneConfig scene = load_scene_file(path);
+    const bool is_to_look_at = path.filename() != "targets_check.toml";  // that one is for a sum by hand
     for (const RadarConfig& radar : scene.radars) {
       EXPECT_TRUE(radar.settings.frustum == FrustumKind::oblique ||
                   radar.settings.frustum == FrustumKind::sweep);
-      EXPECT_TRUE(radar.settings.range_normalisation ||
+      EXPECT_TRUE(!is_to_look_at || radar.settings.range_normalisation ||
                   radar.settings.beam.elevation == ElevationPattern::cosecant)
           << "far ground would be dark";
     }
-    EXPECT_EQ(scene.world.prisms.size(), path.filename() == "mountain_radar.toml" ? 0u : 1u);
+    EXPECT_EQ(scene.world.prisms.size(),
+              path.filename() == "mountain_radar.toml" || !is_to_look_at ? 0u : 1u);
     for (const PrismSpec& prisms : scene.world.prisms)
       EXPECT_TRUE(prisms.within.empty() || std::filesystem::is_regular_file(prisms.within)) << prisms.within;
     for (const SurfaceSpec& surface : scene.world.surfaces)

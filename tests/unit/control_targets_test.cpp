@@ -24,13 +24,13 @@ TEST_F(Targets, HaveWhatTheirTypeSaysAndTheyThemselves) {
   EXPECT_EQ(set->seed, 9);
   const Target& one = set->targets[0];
   EXPECT_EQ(one.id, 1u);
-  EXPECT_EQ(one.size, (TargetSize{45, nullptr, 2, 120, 20, 15}));
+  EXPECT_EQ(one.size, (TargetSize{45, 2, 120, 20, 15}));
   EXPECT_EQ(one.height_reference, HeightReference::ground);
   EXPECT_NEAR(one.velocity_m_s.z, 10 * 1852.0 / 3600, 1e-12);
   EXPECT_EQ(one.heading_deg, 20);
   const Target& two = set->targets[1];
   EXPECT_EQ(two.id, 2u);
-  EXPECT_EQ(two.size, (TargetSize{30, nullptr, 2, 120, 20, 15}));
+  EXPECT_EQ(two.size, (TargetSize{30, 2, 120, 20, 15}));
   EXPECT_FALSE(two.heading_deg);
   EXPECT_EQ(two.height_m, 500);
   EXPECT_EQ(targets_of(read(kFlat)), nullptr);

@@ -11,9 +11,9 @@ namespace obliq {
 /// What targets of one kind have in common.
 struct TargetType {
   std::string name;
-  std::string rcs_file;  ///< path of size.aspects; empty: none
   TargetSize size;
   std::vector<std::string> dis;  ///< DisPattern texts: entities of DIS that are such targets
+  std::string rcs_file{};        ///< path of size.aspects; empty: none
 };
 
 /// The type of that name; null: there is none.

@@ -14,13 +14,13 @@ class Route;        // server/radar/targets/route.h
 
 /// What of a target echoes.
 struct TargetSize {
-  double rcs_dbsm = 10;                        ///< mean radar cross section
-  std::shared_ptr<const AspectTable> aspects;  ///< in its place; null: the same all round
-  int swerling = 1;                            ///< 0 to 4 (fluctuation.h)
+  double rcs_dbsm = 10;  ///< mean radar cross section
+  int swerling = 1;      ///< 0 to 4 (fluctuation.h)
   // 0: a point. Of Swerling 1 and 2 alone, which are of many scatterers; the others are points.
   double length_m = 0;
   double width_m = 0;
-  double top_m = 0;  ///< over its foot: what must be hidden
+  double top_m = 0;                              ///< over its foot: what must be hidden
+  std::shared_ptr<const AspectTable> aspects{};  ///< in place of rcs_dbsm; null: the same all round
 
   bool operator==(const TargetSize&) const = default;
 };

@@ -51,10 +51,10 @@ from .replay import ReplayState
 from .targets import Route, Target
 
 __all__ = [
-    "STATES", "Accepted", "BadStream", "CannotConnect", "ConnectionLost", "Control", "Dataset", "Done", "Dwell", "Fault",
-    "Frame", "FrameAborted", "GroundPoints", "InvalidValue", "Job", "Loss", "NotInControl", "ObliqError", "OverLimit", "Pose",
-    "Radar", "RadarInfo", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly", "ReplayState", "Route", "Server", "ServerFull",
-    "ServerInfo", "ServerStopping", "Settings", "Stream", "Target", "Targets", "TimedOut", "Tls", "Unauthorized", "UnknownRadar", "Untrusted",
-    "Wedge", "Window", "aio", "batch", "connect", "errors", "ground", "load", "local", "local_daemon", "open", "prepare",
-    "todo", "wire",
+    "STATES", "Accepted", "BadStream", "CannotConnect", "ConnectionLost", "Control", "Dataset", "Done", "Dwell",
+    "Fault", "Frame", "FrameAborted", "GroundPoints", "InvalidValue", "Job", "Loss", "NotInControl", "ObliqError",
+    "OverLimit", "Pose", "Radar", "RadarInfo", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly",
+    "ReplayState", "Route", "Server", "ServerFull", "ServerInfo", "ServerStopping", "Settings", "Stream", "Target",
+    "Targets", "TimedOut", "Tls", "Unauthorized", "UnknownRadar", "Untrusted", "Wedge", "Window", "aio", "batch",
+    "connect", "errors", "ground", "load", "local", "local_daemon", "open", "prepare", "todo", "wire",
 ]

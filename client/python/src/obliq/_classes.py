@@ -211,7 +211,8 @@ class Server:
                     targets: Iterable[TargetLike] | None = None, live_targets: bool = False,
                     truth: bool = False) -> Iterator[Any]:
         """Frames of many poses, in their order, as many on their way as the server allows. A pose may also be a pair of
-        pose and settings, or three with targets of its own; targets, live_targets, truth: as render(). return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
+        pose and settings, or three with targets of its own; targets, live_targets, truth: as render().
+        return_exceptions: a refusal is yielded in its place and the rest goes on. seed: a whole number
         from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
         say); None: all have those that their settings name."""
         in_flight = max(1, self.info.limits.max_renders_queued)

@@ -15,7 +15,7 @@ from ._asked import Subscription
 from .errors import Fault, UnknownRadar
 from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice
-from .targets import TargetLike, World
+from .targets import NO_TARGETS, TargetLike, World
 
 DEFAULT_PORT = 7420
 CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.SETTINGS_CLAIM}
@@ -195,7 +195,7 @@ def radar_name(radars: Sequence[str], name: str | None, what: str = "radar") -> 
 
 
 def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, choice: Choice,
-           world: World = World()) -> Iterator[Wish]:
+           world: World = NO_TARGETS) -> Iterator[Wish]:
     """Arguments of render_request() for each pose, or pose with settings and targets of its own."""
     if seed is not None:
         seed = _seeds.checked(seed)
@@ -207,7 +207,7 @@ def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, ch
 
 def render_request(settings: SettingsLike, pose: PoseLike, planes: Planes, encoding: str, compress: str | None,
                    window: Window | None, radar: str, as_live: bool = False,
-                   draw: dict[str, int] | None = None, world: World = World()) -> tuple[wire.RenderOnce, tuple[str, ...]]:
+                   draw: dict[str, int] | None = None, world: World = NO_TARGETS) -> tuple[wire.RenderOnce, tuple[str, ...]]:
     """RenderOnce and the planes that it asks for. as_live: what settings and pose do not name is the live radar's. draw:
     settings that win. world: targets."""
     antenna = Pose.of(pose, "pose")

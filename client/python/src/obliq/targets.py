@@ -142,9 +142,9 @@ TargetLike = Union[Target, TargetFields, Mapping[str, Any]]
 
 def message_of(target: TargetLike, call: str = "Target") -> wire.Target:
     """As it is sent. TypeError or ValueError names the field that does not fit."""
-    given = target.as_dict() if isinstance(target, Target) else target
+    given: Mapping[str, Any] = target.as_dict() if isinstance(target, Target) else target
     try:
-        fields = {name: value for name, value in given.items() if value is not None}
+        fields: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
         if "height_reference" in fields:
             fields["height_reference"] = Target.choices["height_reference"][fields["height_reference"]]
         if "route" in fields:
@@ -209,3 +209,6 @@ class World:
         """Into the request."""
         request.targets.extend(self.targets)
         request.live_targets, request.truth = self.live, self.truth
+
+
+NO_TARGETS = World()
