@@ -12,7 +12,7 @@ namespace obliq {
 struct TargetType {
   std::string name;
   TargetSize size;
-  std::vector<std::string> dis;  ///< DisPattern texts: entities of DIS that are such targets
+  std::vector<std::string> dis{};  ///< DisPattern texts: entities of DIS that are such targets
   std::string rcs_file{};        ///< path of size.aspects; empty: none
 };
 
