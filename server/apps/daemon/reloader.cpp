@@ -14,6 +14,7 @@
 #include "server/control/scene_file.h"
 #include "server/control/sections/platform.h"
 #include "server/control/sections/section.h"
+#include "server/control/sections/targets.h"
 #include "server/flight/scene_keeper.h"
 #include "server/loading/scene_loading.h"
 #include "server/log/service_log.h"
@@ -286,6 +287,8 @@ std::vector<std::string> keys_for_restart(const SceneConfig& running, const Scen
   if (radar_names(running) != radar_names(wanted))
     keys.push_back(
         fmt::format("the radars (running: {}; wanted: {})", radar_names(running), radar_names(wanted)));
+  if (printed_targets(running) != printed_targets(wanted))
+    keys.emplace_back("[target_types.NAME] or [[target]]");
   if (riders_text(running) != riders_text(wanted)) keys.emplace_back("[[platform]] or what rides on it");
   return keys;
 }
