@@ -29,7 +29,7 @@ CsvRows::CsvRows(const std::filesystem::path& file, std::string key, std::string
   if (!stream_ || std::filesystem::is_directory(file, none))
     throw InputError(file.string() + ": " + key_ + ": cannot be read; allowed: a readable file");
   std::string line;
-  (void)read_line(line);
+  if (!read_line(line)) refuse("no rows", "the heading " + heading_ + ", and rows");
   if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());  // of spreadsheets
   // What was found is not shown: the file may be any, under a wrong name.
   if (line != heading_) refuse("another first line", "the heading " + heading_);
