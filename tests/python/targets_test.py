@@ -130,6 +130,22 @@ class Targets(unittest.TestCase):
                 with self.server() as other, self.assertRaises(obliq.NotInControl), other.targets():
                     pass
 
+    def test_of_a_data_set_are_its_labels(self):
+        own = [{"id": 5, "type": "truck", **north_of(3000, 5000)}, {"id": 6, "rcs_dbsm": 30, **north_of(-4000)}]
+        lines = [{"id": "with", **POSE, "targets": own}, {"id": "without", **POSE}, {"id": "none", **POSE, "targets": []}]
+        done = obliq.batch(lines, self.folder.name + "/set", server=self.address, planes="power")
+        self.assertEqual((done.frames, done.failed), (3, 0))
+        frames = {frame.id: frame for frame in obliq.Dataset(self.folder.name + "/set")}
+        self.assertEqual(list(frames["with"].targets["id"]), [5, 6])
+        self.assertIsNone(frames["without"].targets)
+        self.assertEqual(len(frames["none"].targets), 0)
+        with self.server() as server:
+            alone = server.render(None, POSE, planes="power", targets=own, truth=True).targets
+        for name in ("latitude_deg", "elevation_deg", "share_seen", "hidden_by"):
+            np.testing.assert_array_equal(alone[name], frames["with"].targets[name], name)
+        with self.assertRaisesRegex(ValueError, r"line 1: targets\[0\]"):
+            obliq.batch([{"id": 1, **POSE, "targets": [{"id": 1, "rcs": 3}]}], self.folder.name + "/bad", server=self.address)
+
     def test_by_asyncio_it_is_the_same(self):
         async def session():
             async with obliq.aio.connect(self.address) as server:

@@ -13,7 +13,7 @@ struct TargetType {
   std::string name;
   TargetSize size;
   std::vector<std::string> dis{};  ///< DisPattern texts: entities of DIS that are such targets
-  std::string rcs_file{};        ///< path of size.aspects; empty: none
+  std::string rcs_file{};          ///< path of size.aspects; empty: none
 };
 
 /// The type of that name; null: there is none.

@@ -106,7 +106,8 @@ class Job:
         places = [place for _, some in wanted for place in some]
         low = self._too_low(server, places)
         results = server.render_many([self.asked(place) for place in places if place not in low], planes=self.planes,
-                                     timeout=self.timeout, return_exceptions=True, radar=self.radar)
+                                     timeout=self.timeout, return_exceptions=True, radar=self.radar,
+                                     truth=any(self.lines[place].targets is not None for place in places))
         before: tuple[concurrent.futures.Future[None], Shard] | None = None
         with concurrent.futures.ThreadPoolExecutor(1) as disk:
             for number, some in wanted:
@@ -153,12 +154,12 @@ class Job:
         return {place: _judge.too_low(float(coverage), self.min_coverage) for place, coverage in zip(places, found)
                 if coverage < self.min_coverage - 0.1}
 
-    def asked(self, place: int) -> tuple[Pose, Settings]:
-        """Pose and settings of a frame. What is drawn follows from the place alone, so that shares, workers and resumed runs
-        make the same frames; a line may name its own."""
+    def asked(self, place: int) -> tuple[Pose, Settings, tuple[dict[str, Any], ...]]:
+        """Pose, settings and targets of a frame. What is drawn follows from the place alone, so that shares, workers and
+        resumed runs make the same frames; a line may name its own."""
         line = self.lines[place]
         drawn = _seeds.draw(self.seed, place, self.speckle_per_frame)
-        return Pose.of(line.pose), Settings.of({**self.settings, **drawn, **line.settings})
+        return Pose.of(line.pose), Settings.of({**self.settings, **drawn, **line.settings}), line.targets or ()
 
     def radar_of(self, server: Server) -> str:
         """Of a server: the radar of that name, or its first."""

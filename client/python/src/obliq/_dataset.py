@@ -18,6 +18,7 @@ from ._world import read_manifest, warn_without_hash, worlds_in
 from .errors import BadStream
 from .frame import Frame, restore
 from .planes import NUMBERS
+from .targets import RECORD
 
 if TYPE_CHECKING:
     import xarray
@@ -197,6 +198,8 @@ class Dataset:
                         json_format.ParseDict(line["summary"], wire.FrameSummary()).SerializeToString(), int(log.get("utc_ns", 0)))
         frame.id, frame.meta = line["id"], dict(line.get("meta") or {})
         frame.split, frame.scene = line.get("split", ""), line.get("scene", "")
+        if "targets" in line:
+            frame.targets = np.array([(*record, 0) for record in line["targets"]], RECORD)
         return frame
 
     def verify(self) -> dict[str | int, str]:

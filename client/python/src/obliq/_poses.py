@@ -11,16 +11,17 @@ from typing import Any, Union
 from ._fields import hint
 from ._files import parsed
 from .parameters import Pose, Settings
+from .targets import message_of
 
 Poses = Union[str, "os.PathLike[str]", Iterable[Union[Pose, Mapping[str, Any]]]]
 # What a line may have beside fields of a pose and of the settings.
-OWN = ("id", "meta", "split", "scene")
+OWN = ("id", "meta", "split", "scene", "targets")
 
 
 @dataclasses.dataclass(frozen=True)
 class Line:
     """One pose. number: of its line, from 1. meta, split: carried through to the frame. scene: whose ground it sees; empty:
-    that of the whole set."""
+    that of the whole set. targets: that stand in its frame alone; None: the line says nothing of any."""
 
     id: str | int
     pose: dict[str, Any]
@@ -29,6 +30,7 @@ class Line:
     meta: dict[str, Any] = dataclasses.field(default_factory=dict)
     split: str = ""
     scene: str = ""
+    targets: tuple[dict[str, Any], ...] | None = None
 
     def columns(self) -> dict[str, Any]:
         """What is carried through, where there is any."""
@@ -36,7 +38,8 @@ class Line:
 
     def told(self) -> list[Any]:
         """What the frame is made of, as JSON, for a digest."""
-        return [self.id, self.pose, self.settings, *([self.columns()] if self.columns() else [])]
+        told = [self.id, self.pose, self.settings, *([self.columns()] if self.columns() else [])]
+        return told if self.targets is None else [*told, {"targets": list(self.targets)}]
 
 
 def _read(path: str | os.PathLike[str]) -> list[tuple[int, Any]]:
@@ -97,6 +100,7 @@ def _line(where: str, number: int, row: Any) -> Line:
     meta = row.pop("meta", None) or {}
     if not isinstance(meta, dict):
         raise ValueError(f"{where}: meta: found {type(meta).__name__}; allowed: an object, whose columns are yours")
+    targets = _targets(where, row.pop("targets", None))
     texts = {key: row.pop(key, None) or "" for key in ("split", "scene")}
     for key, text in texts.items():
         if not isinstance(text, str):
@@ -105,7 +109,8 @@ def _line(where: str, number: int, row: Any) -> Line:
     for key in row:
         if key not in Pose.names():
             known = hint(key, (*OWN, *Pose.names(), *Settings.names()))
-            near = known if "did you mean" in known else "; allowed: fields of a pose and of the settings, id, split, scene"
+            near = known if "did you mean" in known else ("; allowed: fields of a pose and of the settings, id, split, scene, "
+                                                          "targets")
             raise ValueError(f"{where}: found {key!r}{near}; columns of your own go into \"meta\": {{\"{key}\": ...}}")
     try:
         pose = Pose.of(row, "pose")
@@ -115,4 +120,19 @@ def _line(where: str, number: int, row: Any) -> Line:
     lacking = [key for key in ("latitude_deg", "longitude_deg", "height_m") if getattr(pose, key) is None]
     if lacking:
         raise ValueError(f"{where}: lacks {', '.join(lacking)}")
-    return Line(its_id, pose.as_dict(), its.as_dict(), number, meta, **texts)
+    return Line(its_id, pose.as_dict(), its.as_dict(), number, meta, **texts, targets=targets)
+
+
+def _targets(where: str, given: Any) -> tuple[dict[str, Any], ...] | None:
+    if given is None:
+        return None
+    if not isinstance(given, (list, tuple)):
+        raise ValueError(f"{where}: targets: found {type(given).__name__}; allowed: a list of targets")
+    for at, target in enumerate(given):
+        if not isinstance(target, Mapping):
+            raise ValueError(f"{where}: targets[{at}]: found {type(target).__name__}; allowed: an object")
+        try:
+            message_of(target, f"targets[{at}]")
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{where}: {error}") from None
+    return tuple(dict(target) for target in given)

@@ -121,7 +121,10 @@ class PartWriter:
         summary.pop("frame_id", None)
         self._log.append({"id": line.id, "utc_ns": int(frame.utc.astype("i8")),
                           **{name: descriptor.pop(name) for name in OF_THE_RUN if name in descriptor}})
-        self._lines.append({"id": line.id, "line": line.number, **line.columns(), "sha256": frame.sha256(),
+        # Where they are: the members of a record in their order, but for the last.
+        truth = {} if line.targets is None or frame.targets is None else {
+            "targets": [list(record)[:-1] for record in frame.targets.tolist()]}
+        self._lines.append({"id": line.id, "line": line.number, **line.columns(), "sha256": frame.sha256(), **truth,
                             "descriptor": descriptor, "summary": summary})
 
     def fail(self, line: Line, error: Exception) -> None:
