@@ -38,6 +38,8 @@ def probability(swerling, snr, pfa=PFA):
     if swerling == 3:
         half = snr / 2
         return math.exp(-t / (1 + half)) * (1 + t * half / (1 + half) ** 2)
+    if snr > 600 > 2 * t:
+        return 1.0  # exp(-snr) would be no number any more
     # Marcum's Q as a sum over k of Poisson(k; snr) times the upper gamma function of k + 1.
     found, poisson, tail, term = 0.0, math.exp(-snr), 0.0, math.exp(-t)
     for k in range(2000):
