@@ -106,7 +106,8 @@ obliq_pose read(const wire::Pose& from) {
 }
 
 Status read_planes(unsigned planes, google::protobuf::RepeatedField<int>& list) {
-  if (planes == 0 || (planes & ~unsigned{wire::kEveryPlane}) != 0)
+  constexpr unsigned kOfThisLibrary = wire::kEveryPlane & ~wire::kTargetPlane;
+  if (planes == 0 || (planes & ~kOfThisLibrary) != 0)
     return bad("planes: found " + std::to_string(planes) + "; allowed: a sum of obliq_planes");
   for (int plane = 0; plane < wire::kPlanes; ++plane)
     if ((planes >> plane & 1u) != 0) list.Add(plane);

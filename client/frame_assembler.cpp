@@ -91,6 +91,7 @@ void FrameAssembler::allocate() {
   frame_.building.assign(wanted(wire::Plane::building), 0);
   frame_.height_m.assign(wanted(wire::Plane::height), std::numeric_limits<float>::quiet_NaN());
   frame_.returns.assign(wanted(wire::Plane::returns), 0);
+  frame_.target.assign(wanted(wire::Plane::target), 0);
   allocated_ = true;
   for (const Early& early : std::exchange(early_, {})) keep(early.plane, early.place, early.values);
 }
@@ -141,7 +142,7 @@ std::byte* FrameAssembler::plane_data(wire::Plane plane) {
   void* const data[wire::kPlanes] = {frame_.iq.data(),       frame_.power_w.data(),  frame_.count.data(),
                                      frame_.state.data(),    frame_.video.data(),    nullptr,
                                      frame_.material.data(), frame_.building.data(), frame_.height_m.data(),
-                                     frame_.returns.data()};
+                                     frame_.returns.data(),  frame_.target.data()};
   return static_cast<std::byte*>(data[static_cast<int>(plane)]);
 }
 

@@ -46,7 +46,8 @@ struct AssembledFrame {
   std::vector<std::uint8_t> returns;   ///< separate stretches of visible surface in the bin
   /// Where targets are, where truth was asked for. Of a pass in the order of its dwells.
   std::vector<wire::TargetRecord> targets;
-  int video_bits = 8;  ///< of what was sent; without video means nothing
+  std::vector<std::uint32_t> target;  ///< the strongest in the bin: the last 32 bits of its id; 0: none
+  int video_bits = 8;                 ///< of what was sent; without video means nothing
 };
 
 /// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin

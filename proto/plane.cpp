@@ -10,6 +10,7 @@ std::uint32_t bytes_per_bin(Plane plane) {
     case Plane::count:
     case Plane::building:
     case Plane::height:
+    case Plane::target:
       return 4;
     case Plane::state:
     case Plane::material:
@@ -50,6 +51,8 @@ const char* plane_name(Plane plane) {
       return "height";
     case Plane::returns:
       return "returns";
+    case Plane::target:
+      return "target";
   }
   return "?";
 }

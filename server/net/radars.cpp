@@ -73,12 +73,15 @@ void Radars::watch_as_the_role_allows(LiveRadar& radar, Peer& peer) {
   if (at == radar.watchers.end()) return;
   Demand demand = at->demand;
   demand.lossless &= peer.role >= Role::controller;
-  demand.choice.truth &= peer.role >= truth_role(options_);
-  if (demand.lossless == at->demand.lossless && demand.choice.truth == at->demand.choice.truth) return;
+  if (peer.role < truth_role(options_)) {
+    demand.choice.truth = false;
+    demand.choice.planes &= static_cast<wire::PlaneSet>(~wire::kTargetPlane);
+  }
+  if (demand.lossless == at->demand.lossless && demand.choice == at->demand.choice) return;
   const std::string lost = demand.lossless == at->demand.lossless ? "is no longer told where targets are"
                                                                   : "no longer watches without losses";
   unsubscribe(radar, peer);
-  watch(radar, peer, std::move(demand));
+  if (demand.choice.planes != 0) watch(radar, peer, std::move(demand));
   spdlog::warn("radar {}: {} {}, its role is {} now; it gets the newest frames", radar.name, peer.name, lost,
                role_name(peer.role));
 }

@@ -58,7 +58,7 @@ void Requests::subscribe(const wire::Subscribe& request) {
     errors.push_back(
         {"planes", wire::plane_names(demanded.choice.planes), wire::plane_names(room_.renderer().planes())});
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "subscription refused", errors);
-  if (demanded.choice.truth && !demand_truth()) return;
+  if (tells_truth(demanded.choice) && !demand_truth()) return;
   if (demanded.lossless && !demand(Role::controller, "watching without losses")) return;
   if (const auto over = room_.over_live_limit(settings, demanded.choice.planes)) return refuse(*over);
   const bool renewed = peer_.outbox.has_queue(radar->stream_id);
@@ -101,8 +101,6 @@ void Requests::render_once(const wire::RenderOnce& request) {
     // Tables come from the scene file: those of the radar that the frame is to be like.
     if (like != nullptr) settings.beam.file = like->settings.current()->settings.beam.file;
   }
-  // Truth of the request's own targets tells nothing that the client does not know.
-  if (request.truth() && request.live_targets() && !demand_truth()) return;
   std::vector<Target> targets;
   append(errors, room_.targets().read(request, targets));
   append(errors, merge_request(request.settings(), settings));
@@ -115,6 +113,8 @@ void Requests::render_once(const wire::RenderOnce& request) {
   StreamChoice choice;
   if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
   choice.as_json = peer_.takes_json;
+  // Truth of the request's own targets tells nothing that the client does not know.
+  if (tells_truth(choice) && request.live_targets() && !demand_truth()) return;
   if (errors.empty()) errors = room_.renderer().place(pose);
   if (errors.empty()) errors = room_.renderer().scene_faults(settings);
   if (!errors.empty()) return refuse(ErrorNumber::invalid_value, "frame refused", errors);

@@ -109,6 +109,7 @@ void each_plane(const BinBlock& bins, const Use& use) {
   use("building", "building.npy", "<f4", bins.labels.building);
   use("height", "height.npy", "<f4", bins.labels.height_m);
   use("returns", "returns.npy", "|u1", bins.labels.returns);
+  use("target", "target.npy", "<u4", bins.target);
 }
 
 /// Video and labels come where they were asked for.

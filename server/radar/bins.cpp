@@ -33,6 +33,7 @@ void copy_azimuths(const BinBlock& from, BinBlock& to) {
   copy_wanted(from.labels.building, to.labels.building);
   copy_wanted(from.labels.height_m, to.labels.height_m);
   copy_wanted(from.labels.returns, to.labels.returns);
+  copy_wanted(from.target, to.target);
 }
 
 std::vector<float>& label_share(BinBlock& bins, int kind) {

@@ -101,6 +101,9 @@ struct BinBlock {
   /// mean square power_w a bin. Empty: neighbouring bins are independent, or no such video is wanted.
   std::vector<std::complex<float>> look;
   Labels labels;
+  /// The target whose mean power is the greatest in the bin, the last 32 bits of its id; 0: none. Empty: not
+  /// wanted.
+  std::vector<std::uint32_t> target;
   std::vector<LabelShare> label_shares;  ///< rising by kind, until labels are made of them (decide_labels)
 
   /// With all of them but labels.

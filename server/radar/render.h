@@ -35,6 +35,7 @@ struct RenderOptions {
   bool iq = true;                   ///< false: nobody wants I&Q; the sweep leaves it 0, which is quicker
   bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker
   bool labels = false;              ///< whether they are wanted
+  bool target_ids = false;          ///< whether BinBlock::target is wanted
   HitObserver* observer = nullptr;  ///< receives every hit of a pixel, for textures
   Surfaces surfaces = Surfaces::all;
   std::uint64_t draw = 0;  ///< names the frame (frame_draw): independent speckle repeats with it

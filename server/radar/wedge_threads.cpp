@@ -100,9 +100,9 @@ class WedgeThreads {
   }
 
   void receive(Wedge&& wedge) {
-    if (targets_) {
+    if (targets_ || options_.target_ids) {
       const StageProbe probe(Stage::bin);
-      targets_->add(wedge.bins, options_.iq);
+      add_targets(targets_ ? &*targets_ : nullptr, wedge.bins, options_.iq, options_.target_ids);
     }
     if (options_.receiver != nullptr) {
       const StageProbe probe(Stage::bin);

@@ -53,6 +53,7 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
     order.video16 |= needed.video16;
     if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
     if (demand.choice.planes & wire::kLabelPlanes) order.labels = true;
+    if (demand.choice.planes & wire::kTargetPlane) order.target_ids = true;
     for (std::uint64_t azimuth = window->azimuth.first; azimuth < window->azimuth.end();
          azimuth += window->azimuth.step)
       wedges[static_cast<std::size_t>(azimuth) / kWedgeAzimuthBins] = true;

@@ -29,6 +29,7 @@ struct Order {
   bool iq = false;                    ///< for itself, or for the video
   bool states = false;
   bool labels = false;
+  bool target_ids = false;
   bool truth = false;
   bool video8 = false;
   bool video16 = false;

@@ -132,6 +132,7 @@ class FrameCache::Frame : public PlannedFrame {
     RenderOptions with_copy = options;
     with_copy.receiver = nullptr;
     with_copy.targets = nullptr;
+    with_copy.target_ids = false;
     with_copy.on_wedge = [&](Wedge&& wedge) {
       fresh->bytes += bytes_of(wedge.bins);
       fresh->wedges.push_back(wedge);
@@ -157,7 +158,7 @@ class FrameCache::Frame : public PlannedFrame {
   }
 
   static void give(Wedge&& wedge, const RenderOptions& options, const TargetEchoes* targets) {
-    if (targets != nullptr) targets->add(wedge.bins, options.iq);
+    add_targets(targets, wedge.bins, options.iq, options.target_ids);
     if (options.receiver)
       options.receiver->receive(wedge.bins, {options.iq, options.video8, options.video16});
     if (options.on_wedge) options.on_wedge(std::move(wedge));

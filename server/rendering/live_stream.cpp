@@ -235,6 +235,7 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
       video8(order.video8),
       video16(order.video16),
       labels(order.labels),
+      target_ids(order.target_ids),
       truth(order.truth),
       azimuth_bins(settings.azimuth_bins),
       targets(stream.context_.targets.get()),
@@ -251,6 +252,7 @@ RenderOptions BegunFrame::render_options(const std::stop_token& stop, const Live
   options.video8 = video8;
   options.video16 = video16;
   options.labels = labels;
+  options.target_ids = target_ids;
   options.draw = frame_draw(stream.name_, frame_id);
   return options;
 }

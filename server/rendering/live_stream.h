@@ -163,6 +163,7 @@ struct BegunFrame {
   bool video8 = false;
   bool video16 = false;
   bool labels = false;
+  bool target_ids = false;
   bool truth = false;
   int azimuth_bins = 0;
   TargetsPtr targets;  ///< in the world; null: none

@@ -204,6 +204,7 @@ bool OnceJob::render_slice(Frame& frame) const {
   options.video8 = needed.video8;
   options.video16 = needed.video16;
   options.labels = (request.choice.planes & wire::kLabelPlanes) != 0;
+  options.target_ids = (request.choice.planes & wire::kTargetPlane) != 0;
   options.receiver = &*frame.receiver;
   options.draw = frame_draw(request.radar, frame.receiver->counter());
   options.targets = request.targets.get();

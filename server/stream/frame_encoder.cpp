@@ -42,6 +42,8 @@ std::span<const std::byte> plane_values(Plane plane, int video_bits, const BinBl
       return std::as_bytes(std::span(bins.labels.height_m));
     case Plane::returns:
       return std::as_bytes(std::span(bins.labels.returns));
+    case Plane::target:
+      return std::as_bytes(std::span(bins.target));
   }
   return {};
 }

@@ -35,6 +35,11 @@ struct StreamChoice {
   auto operator<=>(const StreamChoice&) const = default;
 };
 
+/// It says where targets are.
+inline bool tells_truth(const StreamChoice& choice) {
+  return choice.truth || (choice.planes & wire::kTargetPlane) != 0;
+}
+
 /// Reads what a request asks for, of a frame of so many bins; adds what is impossible to `errors`.
 StreamChoice read_choice(const wire::Subscribe& request, int azimuth_bins, int range_bins,
                          std::vector<FieldError>& errors);

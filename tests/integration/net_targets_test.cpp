@@ -120,6 +120,13 @@ TEST_F(NetTargets, AreToldToNobodyBelowTheTruthRole) {
   watch.set_rate_hz(10);
   watch.set_truth(true);
   EXPECT_EQ(viewer.subscribe(watch).number, refused);
+  watch.set_truth(false);
+  watch.add_planes(wire::TARGET);
+  EXPECT_EQ(viewer.subscribe(watch).number, refused);
+  watch.clear_planes();
+  live.set_truth(false);
+  live.add_planes(wire::TARGET);
+  EXPECT_EQ(viewer.render_once(live).number, refused);
   // The bins show the target to all; the blocks beside them to those alone who asked and may.
   EXPECT_TRUE(render(viewer, frame_request(true, false)).targets.empty());
   watch.set_truth(false);

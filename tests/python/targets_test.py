@@ -77,6 +77,9 @@ class Targets(unittest.TestCase):
             if first["share_seen"] > 0:
                 bin_of = np.unravel_index(np.argmax(frame.power - bare.power), frame.power.shape)
                 self.assertEqual(bin_of, (first["azimuth_bin"], first["range_bin"]))
+                labels = server.render(None, POSE, planes="target power", targets=own)
+                self.assertEqual(labels.target[bin_of], 5)
+                self.assertEqual(set(np.unique(labels.target)), {0, 5})
             self.assertIn(obliq_targets.HIDDEN_BY[first["hidden_by"]], obliq_targets.HIDDEN_BY)
             many = list(server.render_many([POSE, (POSE, None, own)], planes="power", truth=True))
             self.assertEqual([len(each.targets) for each in many], [0, 2])

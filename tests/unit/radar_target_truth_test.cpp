@@ -1,6 +1,7 @@
 // What a frame says of its targets: where they are, what hides them, what they return from which side.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -55,6 +56,45 @@ TEST(TargetTruth, NamesTheBinsAndWhatHides) {
   EXPECT_EQ(far.hidden_by, HiddenBy::unknown_ground);
   EXPECT_EQ(far.share, 1);
   EXPECT_EQ(far.range_bin, -1);
+}
+
+TEST(TargetTruth, NamesTheStrongestInEachBin) {
+  const TargetScene scene(level_world());
+  const RadarSettings s = beam_settings();
+  const Bin near = bin_near(s, 0.1, 5000), far = bin_near(s, 0.1, 8000);
+  Target weak = scene.at_range(near.azimuth_rad, near.range_m, 0);
+  weak.size = {10, 0};
+  weak.id = (std::uint64_t{5} << 32) + 77;
+  Target strong = weak;
+  strong.size = {20, 0};
+  strong.id = 99;
+  Target other = scene.at_range(far.azimuth_rad, far.range_m, 0);
+  other.id = 3;
+  const TargetSet set{1, {other, strong, weak}};
+  RenderOptions options;
+  options.targets = &set;
+  options.target_ids = true;
+  const Frame frame = obliq::render(scene.shared(), snapshot(s), scene.pose(), {0, s.azimuth_bins}, options);
+  const auto at = [&](const Bin& bin) {
+    return frame.bins
+        .target[static_cast<std::size_t>(bin.azimuth) * static_cast<std::size_t>(frame.bins.n_range) +
+                static_cast<std::size_t>(bin.range)];
+  };
+  EXPECT_EQ(at(near), 99u);
+  EXPECT_EQ(at(far), 3u);
+  EXPECT_EQ(at(bin_near(s, -0.5, 5000)), 0u);
+  // A target that is alone has its last 32 bits.
+  const TargetSet alone{1, {weak}};
+  options.targets = &alone;
+  const Frame one = obliq::render(scene.shared(), snapshot(s), scene.pose(), {0, s.azimuth_bins}, options);
+  EXPECT_EQ(*std::ranges::max_element(one.bins.target), 77u);
+  options.targets = nullptr;
+  const Frame none = obliq::render(scene.shared(), snapshot(s), scene.pose(), {0, s.azimuth_bins}, options);
+  EXPECT_EQ(none.bins.target.size(), none.bins.state.size());
+  EXPECT_EQ(*std::ranges::max_element(none.bins.target), 0u);
+  options.target_ids = false;
+  EXPECT_TRUE(obliq::render(scene.shared(), snapshot(s), scene.pose(), {0, s.azimuth_bins}, options)
+                  .bins.target.empty());
 }
 
 TEST(TargetTruth, OfADwellIsOfItsOwnAzimuths) {

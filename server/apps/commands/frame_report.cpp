@@ -129,6 +129,7 @@ BinBlock take_bins(client::AssembledFrame& frame) {
   bins.state = std::move(frame.state);
   bins.labels = {std::move(frame.material), std::move(frame.building), std::move(frame.height_m),
                  std::move(frame.returns)};
+  bins.target = std::move(frame.target);
   if (frame.video_bits == 8)
     bins.video8.assign(frame.video.begin(), frame.video.end());
   else

@@ -140,6 +140,7 @@ bool ReplayedFrame::render(AzimuthRange azimuths, const RenderOptions& options) 
     if (options.labels)
       wedge.bins.labels = {rows_of(frame.material), rows_of(frame.building), rows_of(frame.height_m),
                            rows_of(frame.returns)};
+    if (options.target_ids) wedge.bins.target = rows_of(frame.target);
     if (!frame.video.empty() && (options.video8 || options.video16)) {
       add_video(rows_of(frame.video), frame.video_bits, options, wedge.bins);
     } else if (options.video8 || options.video16) {

@@ -284,17 +284,44 @@ void TargetEchoes::respond(TargetEcho& echo) const {
   }
 }
 
+template <typename Call>
+void TargetEchoes::each_row(const TargetEcho& echo, const BinBlock& bins, const Call& call) const {
+  if (!reaches(echo, {bins.first_azimuth, bins.n_azimuth})) return;
+  ask(kGainWork * bins.n_azimuth);
+  for (int a = 0; a < bins.n_azimuth; ++a) {
+    const double gain = azimuth_weight(echo, bins.first_azimuth + a);
+    if (std::abs(gain) > kLeastGain)
+      call(gain, static_cast<std::size_t>(a) * static_cast<std::size_t>(bins.n_range));
+  }
+}
+
 void TargetEchoes::add(BinBlock& bins, bool iq) const {
   ask(kEchoWork * static_cast<std::int64_t>(echoes_.size()));
-  for (const TargetEcho& echo : echoes_) {
-    if (!reaches(echo, {bins.first_azimuth, bins.n_azimuth})) continue;
-    ask(kGainWork * bins.n_azimuth);
-    for (int a = 0; a < bins.n_azimuth; ++a) {
-      const double gain = azimuth_weight(echo, bins.first_azimuth + a);
-      if (!(std::abs(gain) > kLeastGain)) continue;
-      add_to_row(echo, gain, static_cast<std::size_t>(a) * static_cast<std::size_t>(bins.n_range), bins, iq);
-    }
-  }
+  for (const TargetEcho& echo : echoes_)
+    each_row(echo, bins, [&](double gain, std::size_t row) { add_to_row(echo, gain, row, bins, iq); });
+}
+
+void TargetEchoes::name(BinBlock& bins) const {
+  std::vector<double> greatest_w(bins.target.size());
+  for (const TargetEcho& echo : echoes_)
+    each_row(echo, bins, [&](double gain, std::size_t row) {
+      ask(kBinWork * static_cast<std::int64_t>(echo.responses.size()));
+      for (std::size_t k = 0; k < echo.responses.size(); ++k) {
+        const std::size_t bin = row + static_cast<std::size_t>(echo.first_range) + k;
+        const auto response = static_cast<double>(echo.responses[k]);
+        const double power_w = echo.power_w * (gain * gain) * (response * response);
+        if (!(power_w > greatest_w[bin])) continue;
+        greatest_w[bin] = power_w;
+        bins.target[bin] = static_cast<std::uint32_t>(echo.id);
+      }
+    });
+}
+
+void add_targets(const TargetEchoes* targets, BinBlock& bins, bool iq, bool ids) {
+  if (ids) bins.target.assign(bins.state.size(), 0);
+  if (targets == nullptr) return;
+  targets->add(bins, iq);
+  if (ids) targets->name(bins);
 }
 
 void TargetEchoes::add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq) {

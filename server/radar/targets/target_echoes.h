@@ -66,6 +66,8 @@ class TargetEchoes {
   /// To the echoes of the ground, before the receiver: power, I&Q where they are wanted, and the look of
   /// video. Counts, states and labels are the ground's.
   void add(BinBlock& bins, bool iq) const;
+  /// Which of them is the strongest in each bin, into BinBlock::target.
+  void name(BinBlock& bins) const;
 
   const std::vector<TargetEcho>& echoes() const { return echoes_; }
   /// Where it was asked for, of those that are in the world: of all for a frame's whole sector, else of those
@@ -92,6 +94,9 @@ class TargetEchoes {
   double cross_section(const Target& target, const TargetPlace& place) const;
   /// In the middle of beam and pulse.
   double power_w(const glm::dvec3& at_m, double range_m, double rcs_m2) const;
+  /// Calls with each azimuth of the bins that a target reaches, the gain there and the row's first bin.
+  template <typename Call>
+  void each_row(const TargetEcho& echo, const BinBlock& bins, const Call& call) const;
   static void add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq);
   /// How far a place in azimuth is from the target, in bins, the short way round.
   double bins_away(const TargetEcho& echo, double position) const;
@@ -120,5 +125,8 @@ class TargetEchoes {
   std::vector<TargetEcho> echoes_;
   std::vector<TargetTruth> truth_;
 };
+
+/// Adds targets to the echoes of the ground, and names them where ids are wanted. Null: there are none.
+void add_targets(const TargetEchoes* targets, BinBlock& bins, bool iq, bool ids);
 
 }  // namespace obliq

@@ -180,6 +180,7 @@ class Wedge:
     building: npt.NDArray[np.float32] | None
     height: npt.NDArray[np.float32] | None
     returns: npt.NDArray[np.uint8] | None
+    target: npt.NDArray[np.uint32] | None
 
     def __init__(self, frame: Frame, rows: slice, block: wire.WedgeBlock, header: Header, received_ns: int, offset_ns: int):
         self.frame = frame

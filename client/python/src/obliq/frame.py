@@ -61,6 +61,8 @@ class Frame:
     height: float32, m above the datum, weighed by power; NaN: no power.  returns: uint8, separate stretches of visible surface
     in the bin: above 1 is layover.
 
+    target: uint32, of the target whose mean power is the greatest in the bin the last 32 bits of its id; 0: none.
+
     targets: where truth was asked for, a structured array of obliq.targets.RECORD, a record a target: id, latitude_deg,
     longitude_deg, height_m (above the datum), bearing_deg, range_m (slant), elevation_deg, closing_m_s, snr_db (in the middle of
     beam and pulse; with is_power the echo's power, dBW), rcs_dbsm (as drawn), share_seen, azimuth_bin and range_bin (of the
@@ -81,6 +83,7 @@ class Frame:
     building: npt.NDArray[np.float32] | None = None
     height: npt.NDArray[np.float32] | None = None
     returns: npt.NDArray[np.uint8] | None = None
+    target: npt.NDArray[np.uint32] | None = None
     targets: npt.NDArray[Any] | None = None
     id: str | int | None = None
     split: str = ""
@@ -129,7 +132,7 @@ class Frame:
     @overload
     def plane(self, name: Literal["power"]) -> npt.NDArray[np.float64]: ...
     @overload
-    def plane(self, name: Literal["count"]) -> npt.NDArray[np.uint32]: ...
+    def plane(self, name: Literal["count", "target"]) -> npt.NDArray[np.uint32]: ...
     @overload
     def plane(self, name: Literal["state", "material", "returns"]) -> npt.NDArray[np.uint8]: ...
     @overload

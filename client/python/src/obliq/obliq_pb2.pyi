@@ -60,6 +60,7 @@ SWEEP: FrustumKind
 SWITCH_EVENT: EventKind
 SYMMETRIC: FrustumKind
 TAKE_OVER_EVENT: EventKind
+TARGET: PlaneKind
 TARGETS_CLAIM: ClaimKind
 TARGETS_EVENT: EventKind
 TAYLOR_BEAM: BeamPattern

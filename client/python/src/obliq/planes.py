@@ -17,10 +17,12 @@ from .errors import BadStream
 
 # Number on the wire and type of a value, little-endian on any machine. A VIDEO value has as many bytes as its
 # blocks' sizes say.
-NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4, "material": 6, "building": 7, "height": 8, "returns": 9}
+NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4, "material": 6, "building": 7, "height": 8, "returns": 9,
+           "target": 10}
 TYPES: dict[str, np.dtype[Any]] = {"iq": np.dtype("<c8"), "power": np.dtype("<f8"),
                                    "count": np.dtype("<u4"), "state": np.dtype("u1"), "material": np.dtype("u1"),
-                                   "building": np.dtype("<f4"), "height": np.dtype("<f4"), "returns": np.dtype("u1")}
+                                   "building": np.dtype("<f4"), "height": np.dtype("<f4"), "returns": np.dtype("u1"),
+                                   "target": np.dtype("<u4")}
 VIDEO_TYPES: dict[int, np.dtype[Any]] = {1: np.dtype("u1"), 2: np.dtype("<u2")}
 NAMES = {number: name for name, number in NUMBERS.items()}
 FOUR = ("iq", "power", "count", "state")

@@ -20,6 +20,7 @@ Variable = tuple["str | tuple[str, ...]", Any, dict[str, Any]]  # dimensions, va
 LONG_NAMES = {"iq": "complex amplitude", "power": "mean power, before speckle", "count": "samples",
               "material": "of the greatest sum of power; 255: none", "building": "share of the mean power that buildings give",
               "height": "above the datum, weighed by power", "returns": "separate stretches of visible surface",
+              "target": "the strongest in the bin, the last 32 bits of its id; 0: none",
               "state": "why a bin has a sample, or none",
               "video": "log video: 0 at and below video_floor_db, the largest value setting_video_span_db above it"}
 
