@@ -25,7 +25,7 @@ struct TargetRecord {
   double range_m = 0;       ///< slant
   float elevation_deg = 0;  ///< at the antenna, about its own vertical
   float closing_m_s = 0;    ///< of target and antenna together; positive: the range falls
-  float snr_db = 0;    ///< in the middle of beam and pulse, before gain and STC; -200: nothing of it is seen
+  float snr_db = 0;    ///< in the middle of beam and pulse, before gain and STC; -1000: nothing of it is seen
   float rcs_dbsm = 0;  ///< as drawn for this look
   float share_seen = 0;           ///< 0 to 1
   std::int32_t azimuth_bin = -1;  ///< that holds it; -1: none
@@ -36,7 +36,7 @@ struct TargetRecord {
 };
 
 constexpr std::uint32_t kTargetRecordBytes = 80;
-constexpr float kLeastSnr_db = -200;
+constexpr float kLeastSnr_db = -1000;
 /// Of one block.
 constexpr std::uint32_t kMaxTargetRecords = 10000;
 

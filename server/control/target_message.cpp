@@ -78,8 +78,7 @@ void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
 }  // namespace
 
 bool says_motion(const wire::Target& message) {
-  return says(message, is_place) || says(message, is_velocity) || message.has_route() ||
-         message.has_sim_time_ns() || message.has_age_s();
+  return says(message, is_place) || says(message, is_velocity) || message.has_route();
 }
 
 std::vector<FieldError> merge_message(const wire::Target& message, const std::vector<TargetType>& types,
@@ -116,7 +115,7 @@ std::vector<FieldError> merge_message(const wire::Target& message, const std::ve
   }
   if (message.has_rcs_dbsm()) target.target.size.aspects = nullptr;
   append(errors, validate(target));
-  if (errors.empty()) target.lay_route();
+  if (errors.empty() && says_motion(message)) target.lay_route();
   return errors;
 }
 
@@ -127,6 +126,8 @@ void write_message(const TargetConfig& target, wire::Target& message) {
   Target object = target.target;
   for (const Row<Target>& row : target_rows()) {
     const Slot slot = row.slot(object);
+    // A cross section of its own would take the place of its type's table.
+    if (object.size.aspects && row.key.name == "rcs_dbsm") continue;
     if (is_time(row.key) || is_left_open(slot) || (target.target.route && is_velocity(row.key))) continue;
     write_field(row.key, message_field(row.key.name, message), load(row.key, slot), message);
   }

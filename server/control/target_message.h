@@ -20,7 +20,8 @@ namespace obliq {
 [[nodiscard]] std::vector<FieldError> merge_message(const wire::Target& message,
                                                     const std::vector<TargetType>& types,
                                                     TargetConfig& target);
-/// Whether it says where the target is or how it moves; how it lies alone is neither.
+/// Whether it says where the target is or how it moves: a place, a velocity, a route. How it lies, and a
+/// time, are neither.
 bool says_motion(const wire::Target& message);
 
 /// Every field but the times.

@@ -69,7 +69,14 @@ wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::
   error.set_number(static_cast<std::uint32_t>(number));
   error.set_text(text);
   error.set_radar(radar);
+  // A message has a limit; who has made so many mistakes sees what they are.
+  constexpr int kMostFields = 50;
   for (const FieldError& field : fields) {
+    if (error.fields_size() == kMostFields) {
+      error.set_text(text + " (the first " + std::to_string(kMostFields) + " of " +
+                     std::to_string(fields.size()) + " reasons)");
+      break;
+    }
     wire::FieldFault& fault = *error.add_fields();
     // A message has a limit, and what was found may be as long as the request.
     constexpr std::size_t kMostFound = 1000;

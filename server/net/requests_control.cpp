@@ -158,6 +158,11 @@ bool names_targets(const Request& request) {
 void Requests::claim_control(const wire::ClaimControl& request) {
   if (Platform* platform = room_.radars().find_platform(request.radar())) return claim(*platform, request);
   if (names_targets(request)) return claim_targets(request);
+  if (request.radar().empty() &&
+      std::ranges::find(request.kinds(), wire::TARGETS_CLAIM) != request.kinds().end())
+    return refuse(ErrorNumber::invalid_value, "claim refused",
+                  {{"kinds", std::to_string(request.kinds_size()) + " kinds",
+                    "targets (2) alone: they are of the world"}});
   LiveRadar* radar = radar_of(request.radar());
   if (radar == nullptr) return;
   const auto kinds = read_kinds(*radar, request.kinds(), wire::kUnnamedClaims);

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <set>
 #include <utility>
 
@@ -24,7 +25,7 @@ constexpr std::size_t kPageBytes = std::size_t{200} << 10;
 /// Of a request of several messages.
 constexpr std::size_t kMostStagedBytes = std::size_t{16} << 20;
 /// Of all targets' routes.
-constexpr std::size_t kMostPointsInAll = 100'000;
+constexpr int kMostPointsInAll = 100'000;
 /// In one refusal.
 constexpr std::size_t kMostErrors = 20;
 constexpr double kLongest_s = 1e8;
@@ -106,6 +107,9 @@ Target TargetWorld::begin_anew(const wire::Target& message, const Target& was, b
     const double since_s = is_timed && was.is_timed ? seconds_between(was.sim_time_ns, message.sim_time_ns())
                                                     : seconds_between(was.arrived_ns, arrived_ns);
     if (const auto there = brought_to(was, since_s)) is = *there;
+    // However far it has come, it is somewhere that a target may be.
+    is.height_m = std::clamp(is.height_m, kLeastTargetHeight_m, kMostTargetHeight_m);
+    is.velocity_m_s = glm::clamp(is.velocity_m_s, -kMostSpeed_m_s, kMostSpeed_m_s);
   }
   is.is_timed = is_timed;
   if (is_timed) is.sim_time_ns = message.sim_time_ns();
@@ -135,8 +139,10 @@ std::vector<FieldError> TargetWorld::merge(const wire::Target& message, const Ta
 
   is = was == nullptr ? TargetConfig{} : *was;
   is.target.id = message.id();
-  const bool turns = !is.target.route && (message.has_heading_deg() || message.has_heading_rate_deg_s());
-  if (was == nullptr || says_motion(message) || turns)
+  // A route goes on, and its times with it, unless the message ends it.
+  const bool turns = message.has_heading_deg() || message.has_heading_rate_deg_s() ||
+                     message.has_sim_time_ns() || message.has_age_s();
+  if (was == nullptr || says_motion(message) || (!is.target.route && turns))
     is.target = begin_anew(message, is.target, was == nullptr);
   // A word on its validity alone renews it.
   if (message.has_valid_s()) {
@@ -163,23 +169,46 @@ std::vector<FieldError> TargetWorld::read(const Messages& messages, const All& a
       continue;
     }
     for (FieldError& error : merge(message, was, change.set[id]))
-      errors.push_back(in_target(k, std::move(error)));
+      if (errors.size() < kMostErrors) errors.push_back(in_target(k, std::move(error)));
   }
   return errors;
 }
 
-TargetWorld::Outcome TargetWorld::set(const wire::SetTargets& request, const std::string& by) {
-  if (!staged_ && !request.more()) return commit(request, by);
-  if (!staged_) staged_ = std::make_unique<wire::SetTargets>();
-  staged_->MergeFrom(request);
-  if (staged_->ByteSizeLong() > kMostStagedBytes) {
-    staged_ = nullptr;
-    return {{{"more",
-              "over " + std::to_string(kMostStagedBytes >> 20) + " MiB in one request of several messages",
-              "less; all of it is forgotten"}},
-            true,
-            {}};
+std::vector<FieldError> TargetWorld::oversize(const wire::SetTargets& request) const {
+  int targets = request.targets_size(), points = 0;
+  for (const wire::Target& target : request.targets()) points += target.route().latitude_deg_size();
+  std::size_t bytes = request.ByteSizeLong();
+  if (staged_) {
+    targets += staged_->targets_size();
+    points += staged_points_;
+    bytes += staged_bytes_;
   }
+  if (targets > options_.max_targets)
+    return {{"targets", std::to_string(targets),
+             "at most " + std::to_string(options_.max_targets) + " in a request"}};
+  if (points > kMostPointsInAll)
+    return {{"targets", std::to_string(points) + " points of routes",
+             "at most " + std::to_string(kMostPointsInAll) + " in a request"}};
+  if (bytes > kMostStagedBytes)
+    return {{"more", "over " + std::to_string(kMostStagedBytes >> 20) + " MiB in one request", "less"}};
+  return {};
+}
+
+TargetWorld::Outcome TargetWorld::set(const wire::SetTargets& request, const std::string& by) {
+  // By what the message itself says, before any of it is worked on.
+  if (auto over = oversize(request); !over.empty()) {
+    staged_ = nullptr;
+    return {std::move(over), true, {}};
+  }
+  if (!staged_ && !request.more()) return commit(request, by);
+  if (!staged_) {
+    staged_ = std::make_unique<wire::SetTargets>();
+    staged_bytes_ = 0;
+    staged_points_ = 0;
+  }
+  staged_bytes_ += request.ByteSizeLong();
+  for (const wire::Target& target : request.targets()) staged_points_ += target.route().latitude_deg_size();
+  staged_->MergeFrom(request);
   if (request.more()) return {};
   const auto whole = std::exchange(staged_, nullptr);
   return commit(*whole, by);
@@ -198,7 +227,7 @@ std::vector<FieldError> TargetWorld::too_much(const wire::SetTargets& request, c
     }
   if (const auto most = static_cast<std::size_t>(options_.max_targets); n > most)
     return {{"targets", std::to_string(n), "at most " + std::to_string(most) + " in the world"}};
-  if (has_routes && points > kMostPointsInAll)
+  if (has_routes && points > static_cast<std::size_t>(kMostPointsInAll))
     return {{"targets", std::to_string(points) + " points of routes",
              "at most " + std::to_string(kMostPointsInAll) + " in the world"}};
   return {};
@@ -208,7 +237,7 @@ TargetWorld::Outcome TargetWorld::commit(const wire::SetTargets& request, const 
   expire();
   Change change;
   Outcome outcome;
-  for (int k = 0; k < request.gone_size(); ++k)
+  for (int k = 0; k < request.gone_size() && outcome.errors.size() < kMostErrors; ++k)
     if (!change.gone.insert(request.gone(k)).second)
       outcome.errors.push_back({"gone[" + std::to_string(k) + "]", std::to_string(request.gone(k)) + " again",
                                 "each id once in a request"});
@@ -272,7 +301,7 @@ wire::Target TargetWorld::message_of(const TargetConfig& target) const {
   if (its.is_timed) {
     message.set_sim_time_ns(its.sim_time_ns);
   } else {
-    message.set_age_s(std::max(0.0, seconds_between(its.arrived_ns, now_ns())));
+    message.set_age_s(std::clamp(seconds_between(its.arrived_ns, now_ns()), 0.0, kLongest_s));
   }
   message.set_valid_s(its.valid_s);
   return message;

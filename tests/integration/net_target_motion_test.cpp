@@ -94,7 +94,7 @@ TEST_F(NetTargets, ChangeFromWhereTheyHaveCome) {
   renamed.set_id(1);
   renamed.set_name("Öl 1");
   ASSERT_TRUE(is_ok(set(host, {renamed})));
-  const wire::Target& now = list_of(host).targets(0);
+  const wire::Target now = list_of(host).targets(0);
   EXPECT_EQ(now.name(), "Öl 1");
   EXPECT_EQ(now.sim_time_ns(), 10'000'000'000);
 }
@@ -143,6 +143,63 @@ TEST_F(NetTargets, AreSavedLoadedResetAndLogged) {
   }
   EXPECT_EQ(come, 1);
   EXPECT_EQ(claims, 1);
+}
+
+TEST_F(NetTargets, GoOnAlongTheirRouteWhateverElseIsSaid) {
+  serve();
+  client::Client host = holder();
+  wire::Target mover = target(1, 3000);
+  for (const double north : {5000.0, 8000.0}) {
+    const Target at = scene_.at(0, north, 0);
+    mover.mutable_route()->add_latitude_deg(at.latitude_deg);
+    mover.mutable_route()->add_longitude_deg(at.longitude_deg);
+    mover.mutable_route()->add_speed_m_s(100);
+  }
+  ASSERT_TRUE(is_ok(set(host, {mover})));
+  wire::Target word;
+  word.set_id(1);
+  word.set_rcs_dbsm(3);
+  word.set_sim_time_ns(30'000'000'000);
+  word.set_valid_s(1000);
+  ASSERT_TRUE(is_ok(set(host, {word})));
+  EXPECT_NEAR(render(host, frame_request(true, true, 31'000'000'000)).targets[0].range_m,
+              std::hypot(6100, 1000), 2);
+  EXPECT_NEAR(render(host, frame_request(true, true, 90'000'000'000)).targets[0].range_m,
+              std::hypot(8000, 1000), 2);
+}
+
+TEST_F(NetTargets, AreRefusedInAMessageThatFitsHoweverMuchIsWrong) {
+  serve();
+  client::Client host = holder();
+  wire::SetTargets gone;
+  for (int k = 0; k < 20000; ++k) gone.add_gone(5);
+  EXPECT_EQ(set(host, gone).number, number(ErrorNumber::invalid_value));
+  wire::Target wrong = target(1, 3000);
+  for (int k = 0; k < 1000; ++k) {
+    wrong.mutable_route()->add_latitude_deg(std::nan(""));
+    wrong.mutable_route()->add_longitude_deg(std::nan(""));
+    wrong.mutable_route()->add_height_m(std::nan(""));
+    wrong.mutable_route()->add_speed_m_s(std::nan(""));
+  }
+  EXPECT_EQ(set(host, {wrong}).number, number(ErrorNumber::invalid_value));
+  // However far it has come, it can be stopped there.
+  wire::Target climber = target(2, 3000);
+  climber.set_velocity_up_m_s(1000);
+  ASSERT_TRUE(is_ok(set(host, {climber})));
+  wire::Target stop;
+  stop.set_id(2);
+  stop.set_sim_time_ns(2'000'000'000'000);
+  stop.set_velocity_up_m_s(0);
+  EXPECT_TRUE(is_ok(set(host, {stop})));
+}
+
+TEST_F(NetTargets, OfManyEmptyOnesAreRefusedBeforeTheyTakeMemory) {
+  serve();
+  client::Client host = holder();
+  wire::SetTargets many;
+  many.set_more(true);
+  for (int k = 0; k < 10001; ++k) many.add_targets();
+  EXPECT_EQ(set(host, many).number, number(ErrorNumber::over_limit));
 }
 
 TEST_F(NetTargets, OfARequestThatEndsInItsMiddleAreForgotten) {

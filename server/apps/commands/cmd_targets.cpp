@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdio>
 #include <memory>
 
@@ -10,6 +11,7 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/target_fields.h"
+#include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
 namespace obliq {
@@ -19,7 +21,7 @@ struct TargetsArguments {
   ServerArguments server;
   std::vector<std::string> words;
   std::string file;
-  std::vector<std::uint64_t> remove;
+  std::vector<std::string> remove;
   bool clear = false;
   bool force = false;
   bool json = false;
@@ -51,25 +53,35 @@ void print(client::Client& client, const TargetsArguments& arguments) {
               list.controller().empty() ? "not claimed" : "held by ", list.controller().c_str());
 }
 
+std::uint64_t id_of(const std::string& text) {
+  std::uint64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end != text.data() + text.size() || id == 0)
+    throw InputError("--remove: found \"" + text + "\"; allowed: ids, whole numbers from 1");
+  return id;
+}
+
 void run(const TargetsArguments& arguments) {
   wire::SetTargets change;
   std::vector<wire::Target> targets = targets_of_words(arguments.words);
   if (!arguments.file.empty())
     for (wire::Target& target : targets_of_file(arguments.file)) targets.push_back(std::move(target));
   for (wire::Target& target : targets) *change.add_targets() = std::move(target);
-  for (const std::uint64_t id : arguments.remove) change.add_gone(id);
+  for (const std::string& id : arguments.remove) change.add_gone(id_of(id));
   change.set_clear(arguments.clear);
   client::Client client = connect_to_server(arguments.server, "obliq targets");
   if (change.targets_size() == 0 && change.gone_size() == 0 && !change.clear())
     return print(client, arguments);
+  wire::Status before;
+  require(client.get_status(before));
   require(client.claim_targets(arguments.force));
   std::vector<std::string> warnings;
   require(client.set_targets(change, warnings));
   for (const std::string& warning : warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   wire::Status status;
   require(client.get_status(status));
-  std::printf("%d set, %d removed%s; %s in the world\n", change.targets_size(), change.gone_size(),
-              change.clear() ? ", all others cleared" : "", counted(status.targets(), "target").c_str());
+  std::printf("%d set; %s in the world, %u before\n", change.targets_size(),
+              counted(status.targets(), "target").c_str(), before.targets());
 }
 
 }  // namespace

@@ -3,12 +3,13 @@
 #include <fmt/core.h>
 
 #include <cstdio>
-#include <cstring>
+#include <filesystem>
 #include <memory>
 
 #include "proto/obliq.pb.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/server_arguments.h"
+#include "server/output/frame_files.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
@@ -35,22 +36,13 @@ const char* name_of(wire::HiddenBy hidden) {
 
 void write_targets(const std::string& recording, const client::RecordingStart& start,
                    const std::string& out) {
-  const bool to_terminal = out == "-";
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
-      to_terminal ? stdout : std::fopen(out.c_str(), "w"),
-      to_terminal ? +[](std::FILE*) { return 0; } : &std::fclose);
-  const auto refuse = [&] {
-    throw InputError(fmt::format("--targets: {}: cannot be written: {}", out, std::strerror(errno)));
-  };
-  if (!file) refuse();
-  std::fputs(
-      "frame,utc_ns,sim_time_ns,id,latitude_deg,longitude_deg,height_m,bearing_deg,range_m,elevation_deg,"
-      "closing_m_s,"
-      "snr_db,is_power,rcs_dbsm,share_seen,azimuth_bin,range_bin,hidden_by\n",
-      file.get());
   std::unique_ptr<client::RecordingReader> reader;
   require(client::RecordingReader::open(recording, reader));
   client::RecordedFrames frames(std::move(reader), start.radar, start.planes);
+  std::string text =
+      "frame,utc_ns,sim_time_ns,id,latitude_deg,longitude_deg,height_m,bearing_deg,range_m,elevation_deg,"
+      "closing_m_s,"
+      "snr_db,is_power,rcs_dbsm,share_seen,azimuth_bin,range_bin,hidden_by\n";
   std::uint64_t lines = 0, shown = 0;
   for (client::RecordedFrame recorded;;) {
     const auto found = frames.next(recorded);
@@ -58,25 +50,29 @@ void write_targets(const std::string& recording, const client::RecordingStart& s
     if (found != client::RecordedFrames::Found::frame) continue;
     ++shown;
     for (const wire::TargetRecord& t : recorded.frame.targets) {
-      std::fputs(fmt::format("{},{},{},{},{:.9f},{:.9f},{:.3f},{:.6f},{:.3f},{:.6f},{:.3f},{:.3f},{},{:.3f},{"
-                             ":.4f},{},{},{}\n",
-                             recorded.frame.descriptor->frame_id(), recorded.begin_utc_ns,
-                             recorded.frame.descriptor->pose().sim_time_ns(), t.id, t.latitude_deg,
-                             t.longitude_deg, t.height_m, t.bearing_deg, t.range_m, t.elevation_deg,
-                             t.closing_m_s, t.snr_db, t.is_power ? 1 : 0, t.rcs_dbsm, t.share_seen,
-                             t.azimuth_bin, t.range_bin, name_of(t.hidden_by))
-                     .c_str(),
-                 file.get());
+      text += fmt::format(
+          "{},{},{},{},{:.9f},{:.9f},{:.3f},{:.6f},{:.3f},{:.6f},{:.3f},{:.3f},{},{:.3f},{"
+          ":.4f},{},{},{}\n",
+          recorded.frame.descriptor->frame_id(), recorded.begin_utc_ns,
+          recorded.frame.descriptor->pose().sim_time_ns(), t.id, t.latitude_deg, t.longitude_deg, t.height_m,
+          t.bearing_deg, t.range_m, t.elevation_deg, t.closing_m_s, t.snr_db, t.is_power ? 1 : 0, t.rcs_dbsm,
+          t.share_seen, t.azimuth_bin, t.range_bin, name_of(t.hidden_by));
       ++lines;
     }
   }
-  if (std::fflush(file.get()) != 0 || std::ferror(file.get()) != 0) refuse();
   if (lines == 0)
     throw InputError(recording + ": none of its " + counted(shown, "frame") +
                      " says where targets are; `obliq record --truth` keeps it, where the server allows it");
-  if (!to_terminal)
+  if (out == "-") {
+    std::fputs(text.c_str(), stdout);
+  } else {
+    std::error_code none;
+    if (std::filesystem::equivalent(recording, out, none))
+      throw InputError("--targets: found the recording itself; allowed: another file, or -");
+    write_text(out, text);
     std::printf("%s: %s of %s\n", out.c_str(), counted(lines, "line").c_str(),
                 counted(shown, "frame").c_str());
+  }
   if (frames.losses().any()) throw PartlyDone(recording + ": " + frames.losses().text());
 }
 

@@ -226,6 +226,7 @@ std::vector<wire::Target> targets_of_file(const std::string& path) {
                       "--json` prints them",
                       path, number, std::string(parsed.message())));
   }
+  if (targets.empty()) throw InputError(path + ": found no target; allowed: a target as JSON, a line each");
   return targets;
 }
 

@@ -19,6 +19,10 @@ struct TargetType {
 /// The type of that name; null: there is none.
 const TargetType* find_type(const std::vector<TargetType>& types, const std::string& name);
 
+/// Of a target's foot, over its reference.
+constexpr double kLeastTargetHeight_m = -1e3;
+constexpr double kMostTargetHeight_m = 1e6;
+
 /// A target as an operator names it.
 struct TargetConfig {
   std::string name;

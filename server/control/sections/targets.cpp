@@ -21,7 +21,7 @@ constexpr Limits kPush = closed(-1000, 1000);
 constexpr Limits kExtent = closed(0, 1000);
 constexpr Limits kLatitude = closed(-90, 90);
 constexpr Limits kLongitude = closed(-360, 360);
-constexpr Limits kHeight = closed(-1e3, 1e6);
+constexpr Limits kHeight = closed(kLeastTargetHeight_m, kMostTargetHeight_m);
 constexpr std::size_t kMost = 10000;
 
 /// The keys of a type, which a target may set for itself.
@@ -180,7 +180,7 @@ std::vector<FieldError> validate(const TargetConfig& config) {
   TargetConfig checked = config;
   std::vector<FieldError> errors;
   check_rows<Target>(kRows, checked.target, "", errors);
-  for (std::size_t k = 0; k < checked.route.points.size(); ++k)
+  for (std::size_t k = 0; k < checked.route.points.size() && errors.size() < 20; ++k)
     check_rows<RoutePoint>(kRouteRows, checked.route.points[k], "route[" + std::to_string(k) + "].", errors);
   if (config.route.points.size() > kMostRoutePoints)
     errors.push_back({"route", std::to_string(config.route.points.size()) + " points",
