@@ -227,7 +227,7 @@ TEST(StreamChoice, ImpossibleWishesAreRefusedByFieldFoundAndAllowed) {
   EXPECT_EQ(texts, (std::vector<std::string>{
                        "planes|5|0 (iq), 1 (power), 2 (count), 3 (state), 4 (video), 6 (material), 7 "
                        "(building), 8 (height), "
-                       "9 (returns)",
+                       "9 (returns), 10 (target)",
                        "iq_encoding|5|0 (cf32_le), 1 (ci16_le)",
                        "compression|6|0 (none), 1 (zstd)",
                        "window.first_azimuth|20|0 to 19: there are 20 bins",
