@@ -9,6 +9,7 @@
 
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
+#include "server/control/key.h"
 #include "server/control/target_message.h"
 #include "server/net/exercise_log.h"
 #include "server/net/peer.h"

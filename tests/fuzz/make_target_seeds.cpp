@@ -10,7 +10,7 @@ void write_target_requests(const wire::RenderOnce& once) {
   wire::SetTargets world;
   world.set_request_id(11);
   world.add_gone(3);
-  for (std::uint64_t id : {1, 2}) {
+  for (const std::uint64_t id : {1U, 2U}) {
     wire::Target& target = *world.add_targets();
     target.set_id(id);
     target.set_latitude_deg(33.02);

@@ -84,7 +84,7 @@ TEST(EntityStatePdu, AMarkingIsWhatOfItCanBePrinted) {
 
 TEST(EntityStatePdu, WhatIsNoneIsToldWhy) {
   Bytes bytes = entity_bytes();
-  for (std::size_t size : {0, 1, 11, 12, 100, 143}) {
+  for (const std::size_t size : {0U, 1U, 11U, 12U, 100U, 143U}) {
     const std::string why = why_not(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
     EXPECT_EQ(why, "found " + std::to_string(size) + " bytes; allowed: 144 or more");
   }
@@ -104,7 +104,7 @@ TEST(EntityStatePdu, NumbersThatAreNoneAreRefused) {
   EXPECT_EQ(why_not(with(48, "7ff8000000000000")), no_place);
   EXPECT_EQ(why_not(with(64, "7ff0000000000000")), no_place);
   EXPECT_EQ(why_not(with(56, "7fe0000000000000")), no_place);
-  for (const std::size_t at : {36, 44, 72, 76, 80, 104, 116, 124}) {
+  for (const std::size_t at : {36U, 44U, 72U, 76U, 80U, 104U, 116U, 124U}) {
     EXPECT_EQ(why_not(with(at, "7fc00000")), no_number) << at;
     EXPECT_EQ(why_not(with(at, "ff800000")), no_number) << at;
   }

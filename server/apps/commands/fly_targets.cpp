@@ -13,6 +13,7 @@
 #include "server/apps/commands/fly_datagrams.h"
 #include "server/apps/commands/fly_news.h"
 #include "server/apps/commands/number_option.h"
+#include "server/apps/commands/pdu_source.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/stream_arguments.h"
 #include "server/control/config_tree.h"
