@@ -126,8 +126,7 @@ void write_message(const TargetConfig& target, wire::Target& message) {
   Target object = target.target;
   for (const Row<Target>& row : target_rows()) {
     const Slot slot = row.slot(object);
-    // A cross section of its own would take the place of its type's table.
-    if (object.size.aspects && row.key.name == "rcs_dbsm") continue;
+    if (is_from_aspects(row.key, object)) continue;
     if (is_time(row.key) || is_left_open(slot) || (target.target.route && is_velocity(row.key))) continue;
     write_field(row.key, message_field(row.key.name, message), load(row.key, slot), message);
   }
@@ -142,6 +141,12 @@ void write_message(const TargetType& type, wire::TargetType& message) {
   message.set_width_m(type.size.width_m);
   message.set_top_m(type.size.top_m);
   message.mutable_dis()->Assign(type.dis.begin(), type.dis.end());
+}
+
+TargetType read_message(const wire::TargetType& message) {
+  return {message.name(),
+          {message.rcs_dbsm(), message.swerling(), message.length_m(), message.width_m(), message.top_m()},
+          {message.dis().begin(), message.dis().end()}};
 }
 
 }  // namespace obliq

@@ -27,5 +27,7 @@ bool says_motion(const wire::Target& message);
 /// Every field but the times.
 void write_message(const TargetConfig& target, wire::Target& message);
 void write_message(const TargetType& type, wire::TargetType& message);
+/// What write_message wrote.
+TargetType read_message(const wire::TargetType& message);
 
 }  // namespace obliq

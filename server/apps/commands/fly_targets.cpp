@@ -18,6 +18,7 @@
 #include "server/apps/commands/stream_arguments.h"
 #include "server/control/config_tree.h"
 #include "server/control/sections/targets.h"
+#include "server/control/target_message.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
@@ -36,12 +37,6 @@ constexpr double kMostTimeout_s = 86400;
 std::vector<TargetType> own_types(const std::string& file) {
   if (file.empty()) return {};
   return read_type_file(parse_config_file(file));
-}
-
-TargetType type_of(const wire::TargetType& message) {
-  return {message.name(),
-          {message.rcs_dbsm(), message.swerling(), message.length_m(), message.width_m(), message.top_m()},
-          {message.dis().begin(), message.dis().end()}};
 }
 
 EntityTable::Options table_options(const TargetOptions& options, std::optional<EntityId> ownship) {
@@ -85,7 +80,7 @@ std::vector<TargetType> TargetFeed::types_of_server(std::uint64_t& most) {
   const std::uint64_t room = list.max_targets();
   most = std::min(most, room - std::min(room, others));
   std::vector<TargetType> types;
-  for (const wire::TargetType& type : list.types()) types.push_back(type_of(type));
+  for (const wire::TargetType& type : list.types()) types.push_back(read_message(type));
   return types;
 }
 

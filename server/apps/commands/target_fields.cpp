@@ -14,6 +14,7 @@
 #include "server/control/message_fields.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -128,7 +129,7 @@ std::string motion_text(const wire::Target& target) {
   const double north = target.velocity_north_m_s(), east = target.velocity_east_m_s();
   const double speed = std::hypot(north, east);
   if (speed == 0) return "stands";
-  const double course_deg = std::atan2(east, north) * 180 / 3.14159265358979;
+  const double course_deg = std::atan2(east, north) / kDegree_rad;
   return fmt::format("{:.1f} m/s, course {:03.0f}", speed, course_deg < 0 ? course_deg + 360 : course_deg);
 }
 

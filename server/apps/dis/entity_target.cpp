@@ -4,18 +4,16 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
-#include <numbers>
 
 #include "proto/obliq.pb.h"
+#include "server/control/sections/target_config.h"
 #include "server/radar/settings.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Limits of a target: server/control/PARAMETERS.md, target.*.
-constexpr double kLeastHeight_m = -1e3;
-constexpr double kMostHeight_m = 1e6;
 constexpr double kMostAcceleration_m_s2 = 1000;
 constexpr double kMostHeadingRate_deg_s = 360;
 
@@ -38,7 +36,7 @@ bool is_on_ground(const DisEntityType& type) {
 double heading_rate_deg_s(const glm::dvec3& nose, const glm::dvec3& nose_rate) {
   const double square = nose.x * nose.x + nose.y * nose.y;
   constexpr double kSteep = 1e-6;
-  return square < kSteep ? 0 : (nose.x * nose_rate.y - nose.y * nose_rate.x) / square / kDegree;
+  return square < kSteep ? 0 : (nose.x * nose_rate.y - nose.y * nose_rate.x) / square / kDegree_rad;
 }
 
 }  // namespace
@@ -55,7 +53,8 @@ bool write_target(const EntityTable::Moving& entity, const EntityKinds::Match& k
   const LocalAxes local = local_axes(at);
   glm::dvec3 velocity = along(local, motion.velocity_m_s);
   glm::dvec3 acceleration = along(local, motion.acceleration_m_s2);
-  if (!(at.height_m >= kLeastHeight_m && at.height_m <= kMostHeight_m) || !within(velocity, kMostSpeed_m_s))
+  if (!(at.height_m >= kLeastTargetHeight_m && at.height_m <= kMostTargetHeight_m) ||
+      !within(velocity, kMostSpeed_m_s))
     return false;
   if (!within(acceleration, kMostAcceleration_m_s2)) acceleration = glm::dvec3(0.0);
   const bool on_ground = heights.on_ground && is_on_ground(state.type);
@@ -75,7 +74,7 @@ bool write_target(const EntityTable::Moving& entity, const EntityKinds::Match& k
   target.set_acceleration_east_m_s2(acceleration.y);
   target.set_acceleration_up_m_s2(acceleration.z);
   const glm::dvec3 nose = along(local, motion.body.nose);
-  target.set_heading_deg(std::atan2(nose.y, nose.x) / kDegree);
+  target.set_heading_deg(std::atan2(nose.y, nose.x) / kDegree_rad);
   const double rate_deg_s =
       heading_rate_deg_s(nose, along(local, glm::cross(motion.turn_rad_s, motion.body.nose)));
   target.set_heading_rate_deg_s(std::abs(rate_deg_s) <= kMostHeadingRate_deg_s ? rate_deg_s : 0);

@@ -297,6 +297,10 @@ TargetConfig read_target(SceneReading& scene, const ConfigNode& table) {
 
 }  // namespace
 
+bool is_from_aspects(const Key& key, const Target& target) {
+  return target.size.aspects && key.name == "rcs_dbsm";
+}
+
 void read_targets(SceneReading& scene) {
   std::set<std::string> names;
   scene.top.each_table("target", [&](const ConfigNode& table) {
@@ -317,11 +321,9 @@ void read_targets(SceneReading& scene) {
 
 namespace {
 
-/// A cross section of its own would take the place of its type's table.
 std::vector<Row<Target>> rows_to_print(const Target& target) {
   std::vector<Row<Target>> rows(kRows.begin(), kRows.end());
-  if (target.size.aspects)
-    std::erase_if(rows, [](const Row<Target>& row) { return row.key.name == "rcs_dbsm"; });
+  std::erase_if(rows, [&](const Row<Target>& row) { return is_from_aspects(row.key, target); });
   return rows;
 }
 

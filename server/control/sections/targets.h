@@ -21,6 +21,9 @@ extern const Section kTargetsSection;
 
 Keys<TargetType> target_type_keys();
 std::span<const Row<Target>> target_rows();
+/// Its value comes from the table of the target's type: one of the target's own would take that table's
+/// place.
+bool is_from_aspects(const Key& key, const Target& target);
 std::span<const Row<TargetConfig>> target_config_rows();
 std::span<const Row<RoutePoint>> route_rows();
 
