@@ -71,10 +71,6 @@ void write_route(const TargetConfig& target, wire::TargetRoute& message) {
   }
 }
 
-void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
-  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-}
-
 }  // namespace
 
 bool says_motion(const wire::Target& message) {

@@ -81,18 +81,18 @@ void ExerciseLog::note(wire::ExerciseEvent event) {
   if (event.utc_ns() == 0) event.set_utc_ns(wire::utc_now_ns());
   if (listener_) listener_(event);
   const std::size_t bytes = event.ByteSizeLong();
-  if (event.kind() == wire::BOOKMARK_EVENT) {
-    bookmarks_.push_back(std::make_unique<const Kept>(Kept{std::move(event), bytes}));
-    return;
-  }
-  others_.push_back(std::make_unique<const Kept>(Kept{std::move(event), bytes}));
-  bytes_ += bytes;
-  while (others_.size() > kMostEvents || (bytes_ > kMostBytes && others_.size() > 1)) drop_oldest();
+  Events& same_kind = event.kind() == wire::BOOKMARK_EVENT  ? bookmarks_
+                      : event.kind() == wire::TARGETS_EVENT ? targets_
+                                                            : others_;
+  same_kind.push_back(std::make_unique<const Kept>(Kept{std::move(event), bytes}));
+  if (&same_kind == &others_) bytes_ += bytes;
+  while (targets_.size() > kMostTargetEvents) drop_oldest(targets_);
+  while (others_.size() > kMostEvents || (bytes_ > kMostBytes && others_.size() > 1)) drop_oldest(others_);
 }
 
-void ExerciseLog::drop_oldest() {
-  bytes_ -= others_.front()->bytes;
-  others_.pop_front();
+void ExerciseLog::drop_oldest(Events& kept) {
+  if (&kept == &others_) bytes_ -= kept.front()->bytes;
+  kept.pop_front();
   ++lost_;
 }
 
@@ -171,29 +171,29 @@ void ExerciseLog::targets(std::uint32_t come, std::uint32_t gone, const std::str
 
 bool ExerciseLog::write(std::uint64_t after, wire::ExerciseEvents& events) const {
   events.set_lost(lost_);
-  const auto first_behind = [after](const Events& kept) {
-    return std::ranges::upper_bound(kept, after, {}, number_of);
-  };
-  auto bookmark = first_behind(bookmarks_);
-  auto other = first_behind(others_);
+  std::uint64_t last = after;
   std::size_t bytes = 0;
-  while (bookmark != bookmarks_.end() || other != others_.end()) {
-    const bool is_bookmark =
-        other == others_.end() || (bookmark != bookmarks_.end() && number_of(*bookmark) < number_of(*other));
-    const Kept& next = is_bookmark ? **bookmark++ : **other++;
-    if (events.events_size() > 0 && bytes + next.bytes > kPageBytes) return false;
-    *events.add_events() = next.event;
-    bytes += next.bytes;
+  while (const Kept* next = first_behind(last)) {
+    if (events.events_size() > 0 && bytes + next->bytes > kPageBytes) return false;
+    *events.add_events() = next->event;
+    bytes += next->bytes;
+    last = next->event.number();
   }
   return true;
 }
 
-const wire::ExerciseEvent* ExerciseLog::find(std::uint64_t number) const {
-  for (const Events* kept : {&bookmarks_, &others_}) {
-    const auto at = std::ranges::lower_bound(*kept, number, {}, number_of);
-    if (at != kept->end() && number_of(*at) == number) return &(*at)->event;
+const ExerciseLog::Kept* ExerciseLog::first_behind(std::uint64_t number) const {
+  const Kept* first = nullptr;
+  for (const Events* kept : {&bookmarks_, &targets_, &others_}) {
+    const auto at = std::ranges::upper_bound(*kept, number, {}, number_of);
+    if (at != kept->end() && (first == nullptr || number_of(*at) < first->event.number())) first = at->get();
   }
-  return nullptr;
+  return first;
+}
+
+const wire::ExerciseEvent* ExerciseLog::find(std::uint64_t number) const {
+  const Kept* found = number == 0 ? nullptr : first_behind(number - 1);
+  return found != nullptr && found->event.number() == number ? &found->event : nullptr;
 }
 
 }  // namespace obliq::net

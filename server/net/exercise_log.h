@@ -32,6 +32,8 @@ class ExerciseLog {
  public:
   /// Of what is kept: other events, oldest first, go at these; bookmarks stay and are refused.
   static constexpr std::size_t kMostEvents = 4096;
+  /// Of those, targets that come and go: they push no other event out.
+  static constexpr std::size_t kMostTargetEvents = 1024;
   static constexpr std::size_t kMostBytes = std::size_t{4} << 20;
   static constexpr std::size_t kMostBookmarks = 1000;
   /// Of the events in one message, unless one alone has more.
@@ -80,10 +82,13 @@ class ExerciseLog {
   struct Kept;
   using Events = std::deque<std::unique_ptr<const Kept>>;  ///< in the order of their numbers
   static std::uint64_t number_of(const std::unique_ptr<const Kept>& kept);
-  void drop_oldest();
+  void drop_oldest(Events& kept);
+  /// That of the least number above; null: there is none.
+  const Kept* first_behind(std::uint64_t number) const;
 
   Listener listener_;
   Events bookmarks_;
+  Events targets_;
   Events others_;
   std::size_t bytes_ = 0;  ///< of others_
   std::uint64_t newest_ = 0;

@@ -78,12 +78,18 @@ void Radars::watch_as_the_role_allows(LiveRadar& radar, Peer& peer) {
     demand.choice.planes &= static_cast<wire::PlaneSet>(~wire::kTargetPlane);
   }
   if (demand.lossless == at->demand.lossless && demand.choice == at->demand.choice) return;
-  const std::string lost = demand.lossless == at->demand.lossless ? "is no longer told where targets are"
-                                                                  : "no longer watches without losses";
+  std::string lost;
+  if (demand.lossless != at->demand.lossless) lost = "each frame";
+  if (demand.choice != at->demand.choice)
+    lost += std::string(lost.empty() ? "" : " and ") + "where targets are";
+  const bool is_over = demand.choice.planes == 0;
   unsubscribe(radar, peer);
-  if (demand.choice.planes != 0) watch(radar, peer, std::move(demand));
-  spdlog::warn("radar {}: {} {}, its role is {} now; it gets the newest frames", radar.name, peer.name, lost,
-               role_name(peer.role));
+  if (!is_over) watch(radar, peer, std::move(demand));
+  const std::string text = "the token's role is " + std::string(role_name(peer.role)) +
+                           " now: the subscription no longer has " + lost +
+                           (is_over ? ", and has ended" : "");
+  peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low, text, {}, radar.name));
+  spdlog::warn("radar {}: {}: {}", radar.name, peer.name, text);
 }
 
 void Radars::check_windows(LiveRadar& radar) const {

@@ -91,10 +91,6 @@ wire::Error make_error(std::uint64_t request_id, ErrorNumber number, const std::
 
 std::string presentable(const std::string& text) { return printable_text(text, wire::kMaxNameBytes); }
 
-void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
-  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-}
-
 std::vector<FieldError> missing_position(const wire::Pose& pose) {
   std::vector<FieldError> errors;
   const auto demand = [&](bool there, const char* field) {

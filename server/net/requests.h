@@ -63,8 +63,6 @@ wire::Error make_error(std::uint64_t request_id, wire::ErrorNumber number, const
 /// bytes beyond ASCII replaced.
 std::string presentable(const std::string& text);
 
-void append(std::vector<FieldError>& errors, std::vector<FieldError> more);
-
 /// What a RenderOnce must name: there is no radar to take it from.
 std::vector<FieldError> missing_position(const wire::Pose& pose);
 

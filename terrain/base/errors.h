@@ -1,5 +1,6 @@
 #pragma once
 #include <exception>
+#include <iterator>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -28,6 +29,10 @@ inline std::string all_text(const std::vector<FieldError>& errors) {
   std::string text;
   for (const FieldError& error : errors) text += (text.empty() ? "" : "; ") + error.text();
   return text;
+}
+
+inline void append(std::vector<FieldError>& errors, std::vector<FieldError> more) {
+  errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
 /// What is wrong, in words: what the C++ library throws for want of memory has none of its own.

@@ -336,6 +336,34 @@ TEST(EventsOfALog, AreBoundedAndBookmarksStay) {
   EXPECT_EQ(after, 1 + kMany + 100);
 }
 
+TEST(EventsOfALog, AreNotPushedOutByTargetsThatComeAndGo) {
+  ExerciseLog log;
+  wire::ExerciseEvent change;
+  change.set_kind(wire::SETTINGS_EVENT);
+  log.note(change);
+  constexpr std::size_t kMany = 2 * ExerciseLog::kMostEvents;
+  for (std::size_t i = 0; i < kMany; ++i) log.targets(1, 0, "host");
+  log.note(change);
+  EXPECT_NE(log.find(1), nullptr);
+  EXPECT_EQ(log.find(2), nullptr);
+  EXPECT_NE(log.find(kMany + 1), nullptr);
+  EXPECT_EQ(log.find(kMany + 3), nullptr);
+  wire::ExerciseEvents page;
+  std::uint64_t last = 0, n = 0;
+  for (bool whole = false; !whole;) {
+    page.Clear();
+    whole = log.write(last, page);
+    for (const wire::ExerciseEvent& event : page.events()) {
+      EXPECT_GT(event.number(), last);
+      last = event.number();
+      ++n;
+    }
+  }
+  EXPECT_EQ(n, ExerciseLog::kMostTargetEvents + 2);
+  EXPECT_EQ(last, kMany + 2);
+  EXPECT_EQ(page.lost(), kMany - ExerciseLog::kMostTargetEvents);
+}
+
 /// Past the client library, which refuses it itself.
 wire::Error refusal_of(const TestServer& server, const std::string& text) {
   RawPeer raw(server);

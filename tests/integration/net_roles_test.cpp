@@ -228,6 +228,22 @@ TEST_F(Roles, WhoIsAControllerNoLongerCannotHoldARadarUpAnyLonger) {
   while (frames() < held + 20) std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
+TEST_F(Roles, WhoMayNotKnowWhereTargetsAreAnyLongerIsTold) {
+  auto made = options();
+  TestServer server(made);
+  client::Client controller;
+  ASSERT_TRUE(come(server, kController, controller).ok());
+  wire::Subscribe request = request_at(100);
+  request.set_truth(true);
+  ASSERT_TRUE(controller.subscribe(request).ok());
+  write(std::string("viewer ") + kController + "\nadmin " + kAdmin + "\n");
+  EXPECT_EQ(server.server().reload_security().tokens_fault, "");
+  Status told;
+  for (int k = 0; k < 10'000 && told.ok(); ++k) told = controller.receive(kLong);
+  EXPECT_EQ(told.number, number(ErrorNumber::role_too_low)) << told.sentence();
+  EXPECT_NE(told.sentence().find("no longer has where targets are"), std::string::npos) << told.sentence();
+}
+
 TEST_F(Roles, ATokenFileThatOthersMayReadIsRefused) {
   for (const mode_t mode : {0640u, 0604u, 0660u, 0622u}) {
     const std::string said = complaint(write(all_tokens(), mode));

@@ -29,6 +29,8 @@ MODELS = {
 }
 EQUATOR_M, FLATTENING, K = 6378137.0, 1 / 298.257223563, 4 / 3
 TOP_M = 60.0
+GAMMA = 10 ** -1.5  # of "terrain", as shipped
+PULSE_M = 299792458.0 * 0.25e-6 / 2
 SCENE = """
 [terrain]
 dem = ["{dem}"]
@@ -49,9 +51,10 @@ r_min_m = 3000.0
 r_max_m = 20000.0
 [bins]
 azimuth = 256
-range = 512
+range = 2048
 [frustum]
 kind = "sweep"
+planes_per_bin = 8
 [beam]
 pattern = "gaussian"
 width_deg = 3.0
@@ -103,6 +106,34 @@ def seen_from(antenna, latitude, longitude, height):
     return own
 
 
+def clutter_in(ground, antenna, boresight_deg, range_m):
+    """Of a bin of the frame: gamma over each facet's area square to the line of sight, seen past all that is nearer, through
+    beam and pulse, a cross section in m^2 at range_m."""
+    bearing = np.radians(boresight_deg + np.arange(-4.5, 4.5001, 0.015))[:, None]
+    way = np.arange(60.0, range_m + 2 * PULSE_M, 2.0)[None, :]
+    # Places on the ellipsoid by its two radii of curvature at the antenna, as far out as a beam's width matters.
+    la = math.radians(antenna[0])
+    e2 = FLATTENING * (2 - FLATTENING)
+    along = EQUATOR_M * (1 - e2) / (1 - e2 * math.sin(la) ** 2) ** 1.5
+    across = EQUATOR_M / math.sqrt(1 - e2 * math.sin(la) ** 2)
+    latitude = antenna[0] + np.degrees(way * np.cos(bearing) / along)
+    longitude = antenna[1] + np.degrees(way * np.sin(bearing) / (across * np.cos(np.radians((latitude + antenna[0]) / 2))))
+    at = seen_from(antenna, latitude, longitude, ground.at(latitude, longitude))
+    area = np.cross(at[1:, 1:] - at[:-1, :-1], at[:-1, 1:] - at[1:, :-1]) / 2
+    middle = (at[1:, 1:] + at[:-1, :-1] + at[:-1, 1:] + at[1:, :-1]) / 4
+    distance = np.hypot(middle[..., 0], middle[..., 1])
+    slope = middle[..., 2] / distance
+    is_seen = slope >= np.maximum.accumulate(slope, axis=1)
+    r = np.linalg.norm(middle, axis=-1)
+    area *= np.sign(area[..., 2:])  # upwards
+    facing = np.maximum(0, -np.sum(area * middle, axis=-1) / r)
+    off = np.arctan2(middle[..., 0], middle[..., 1]) - math.radians(boresight_deg)
+    own = np.degrees(np.arcsin(distance / r * np.sin(off)))
+    gain = np.exp(-4 * math.log(2) * (own / 3.0) ** 2)
+    pulse = np.maximum(0, 1 - np.abs(r - range_m) / PULSE_M)
+    return GAMMA * np.sum(facing * is_seen * gain ** 2 * pulse ** 2 * (range_m / r) ** 4)
+
+
 LACKING = [name for name in MODELS if not (SHARED / name).is_file()]
 
 
@@ -133,6 +164,7 @@ class Relief(unittest.TestCase):
         noise_w = 1.380649e-23 * (290 + 290 * (10 ** 0.4 - 1)) / 0.25e-6
         constant = 50e3 * (10 ** 3.3) ** 2 * wavelength ** 2 / (4 * math.pi) ** 3
         partly, worst_share, worst_db, worst_m = 0, 0.0, 0.0, 0.0
+        beside = []  # dB by which the ratio of a target to its bin's clutter is off
         for target, record in zip(targets, frame.targets):
             n = 12000
             share = np.linspace(0, 1, n, endpoint=False)[1:]
@@ -157,12 +189,35 @@ class Relief(unittest.TestCase):
                 at = record["azimuth_bin"], record["range_bin"]
                 added = (frame.power[at] - bare.power[at]) / noise_w
                 self.assertLess(abs(10 * math.log10(max(added, 1e-30)) - snr), 6.5, target)
+            if seen > 0.5 and len(beside) < 10:
+                beside.append(self.ratio_error_db(ground, antenna, about, frame, bare, target, record, foot, seen))
         print(f"{name}: {len(targets)} targets, {partly} seen in part: share off by {worst_share:.4f}, "
-              f"SNR by {worst_db:.4f} dB, range by {worst_m:.2f} m", flush=True)
+              f"SNR by {worst_db:.4f} dB, range by {worst_m:.2f} m, target to clutter of {len(beside)} by "
+              f"{max(map(abs, beside)):.3f} dB", flush=True)
         self.assertGreater(partly, 0)
+        self.assertEqual(len(beside), 10)
+        self.assertLess(max(map(abs, beside)), 0.1)
         self.assertLess(worst_db, 0.1)
         self.assertLess(worst_share, 0.02)
         self.assertLess(worst_m, 2)
+
+    @staticmethod
+    def ratio_error_db(ground, antenna, about, frame, bare, target, record, foot, seen):
+        """In the bin that the truth names: target over clutter of the frame, less that of sums by hand."""
+        k, m = record["azimuth_bin"], record["range_bin"]
+        boresight_deg = about["bearing"] - 30 + (k + 0.5) * 60 / frame.power.shape[0]
+        range_m = 3000 + (m + 0.5) * 17000 / frame.power.shape[1]
+        clutter_m2 = clutter_in(ground, antenna, boresight_deg, range_m)
+        r = np.linalg.norm(foot)
+        own = np.degrees(np.arcsin(math.hypot(foot[0], foot[1]) / r *
+                                   np.sin(np.arctan2(foot[0], foot[1]) - math.radians(boresight_deg))))
+        gain = np.exp(-4 * math.log(2) * (own / 3.0) ** 2)
+        pulse = max(0, 1 - abs(r - range_m) / PULSE_M)
+        echo_m2 = 10 ** (target["rcs_dbsm"] / 10) * seen * (gain * pulse) ** 2 * (range_m / r) ** 4
+        found = (frame.power[k, m] - bare.power[k, m]) / bare.power[k, m]
+        print(f"    {boresight_deg:.1f} deg {range_m:.0f} m: {10 * math.log10(found):.2f} dB in the frame, "
+              f"{10 * math.log10(echo_m2 / clutter_m2):.2f} by hand, ground {10 * math.log10(clutter_m2):.1f} dBsm")
+        return 10 * math.log10(found * clutter_m2 / echo_m2)
 
     def test_targets_over_two_mountain_models(self):
         for name, about in MODELS.items():

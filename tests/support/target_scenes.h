@@ -67,8 +67,9 @@ struct Difference {
 /// A world with an antenna over its origin, which looks north.
 class TargetScene {
  public:
-  explicit TargetScene(World world, double antenna_m = kAntenna_m)
-      : scene_(make_scene(std::move(world))),
+  explicit TargetScene(World world, double antenna_m = kAntenna_m,
+                       std::vector<Material> materials = two_materials())
+      : scene_(make_scene(std::move(world), std::move(materials))),
         pose_(pose_at(scene_->world(), {0, antenna_m + scene_->world().grid.height_at_m(0, 0), 0}, 0)) {}
 
   const World& world() const { return scene_->world(); }

@@ -12,13 +12,11 @@ Route::Route(double latitude_deg, double longitude_deg, double height_m, RouteSp
     : spec_(std::move(spec)), start_{latitude_deg, longitude_deg, height_m, 0} {
   Place end = start_;
   const auto go_to = [&](double latitude, double longitude, double height, double speed_m_s) {
-    double length_m = 0;
-    const GeographicLib::Geodesic& earth = GeographicLib::Geodesic::WGS84();
-    earth.Inverse(end.latitude_deg, end.longitude_deg, latitude, longitude, length_m);
-    if (length_m > 0) {
+    const GeographicLib::GeodesicLine line = GeographicLib::Geodesic::WGS84().InverseLine(
+        end.latitude_deg, end.longitude_deg, latitude, longitude);
+    if (const double length_m = line.Distance(); length_m > 0) {
       const double lasts_s = length_m / speed_m_s;
-      legs_.push_back({earth.InverseLine(end.latitude_deg, end.longitude_deg, latitude, longitude), length_m,
-                       end.height_m, height, lasts_s_, lasts_s});
+      legs_.push_back({line, length_m, end.height_m, height, lasts_s_, lasts_s});
       lasts_s_ += lasts_s;
     }
     end = {latitude, longitude, height, 0};
