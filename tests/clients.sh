@@ -103,7 +103,7 @@ check_oldest() {
 check_notebook() {
   "$work/env-all/bin/python" - <<'PY'
 import nbclient, nbformat
-for name, least in (("tutorial", 9), ("labels", 4)):
+for name, least in (("tutorial", 11), ("labels", 4)):
     notebook = nbformat.read(f"client/python/{name}.ipynb", 4)
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
     outputs = sum(len(cell.get("outputs", ())) for cell in notebook.cells)

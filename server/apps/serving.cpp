@@ -22,6 +22,7 @@ net::ServerOptions serving_options(const SceneConfig& config) {
   options.address = config.server.address;
   options.port = static_cast<std::uint16_t>(config.server.port);
   options.dead_after_s = config.server.dead_after_s;
+  options.truth_role = config.server.truth_role;
   return options;
 }
 

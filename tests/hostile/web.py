@@ -127,6 +127,7 @@ class Socket:
             if opcode in (BINARY, CONTINUATION):
                 (kind,) = struct.unpack("<H", data[6:8])
                 (header,), (size,) = struct.unpack("<H", data[10:12]), struct.unpack("<I", data[16:20])
+                self.plane = data[header + size:]
                 return kind, json.loads(data[header:header + size] or b"{}")
 
     def answer(self):
