@@ -1,6 +1,6 @@
 #pragma once
-/* The client library for C and for what calls C: connect, move, set, receive, query. No C++ type and no
- * exception crosses it. A client is for one thread at a time; texts are UTF-8. Functions return an
+/* The client library for C and for what calls C: connect, move, set, receive, query, set targets. No C++ type
+ * and no exception crosses it. A client is for one thread at a time; texts are UTF-8. Functions return an
  * obliq_outcome; obliq_error() then has the sentence. */
 #include <stddef.h>
 #include <stdint.h>
@@ -146,7 +146,8 @@ typedef struct obliq_route {
 } obliq_route;
 
 /* A vehicle, ship or aircraft of the world, as Target in obliq.proto. NaN, NULL, -1 and INT64_MIN
- * (obliq_no_target) leave a value as it is; of a new id they are its type's value, or the default. */
+ * (obliq_no_target) leave a value as it is; of a new id they are its type's value, or the default. A new one
+ * needs a latitude and a longitude. */
 typedef struct obliq_target {
   uint64_t id;         /* from 1 */
   const char* name;    /* NULL: as it is */
@@ -223,6 +224,7 @@ int obliq_set(obliq_client* client, const char* radar, const char* settings);
 /* The value of one of them as text, as obliq_set() takes it. */
 int obliq_get(obliq_client* client, const char* radar, const char* setting, char* text, size_t size);
 
+/* Of a radar the newest counts; one that is refused changes nothing. */
 int obliq_subscribe(obliq_client* client, const char* radar, double rate_hz, unsigned planes);
 int obliq_unsubscribe(obliq_client* client, const char* radar);
 /* One frame of its own: as the live radar is, but for pose (NULL: as it stands) and settings (NULL: as they

@@ -96,6 +96,9 @@ static int frames(obliq_client* client, const char* radar) {
   said(client, "unknown plane", obliq_subscribe(client, radar, 20, 2048));
   said(client, "truth without planes", obliq_subscribe(client, radar, 20, OBLIQ_TRUTH));
   said(client, "not of a subscription", obliq_subscribe(client, radar, 20, OBLIQ_POWER | OBLIQ_LIVE_TARGETS));
+  /* What came of the subscription before has other planes. */
+  said(client, "subscribe", obliq_subscribe(client, radar, 50, OBLIQ_STATE));
+  if (said(client, "receive", obliq_receive(client, &frame, 60000))) return 1;
   said(client, "subscribe", obliq_subscribe(client, radar, 20, OBLIQ_TARGET | OBLIQ_POWER | OBLIQ_TRUTH));
   if (said(client, "receive", obliq_receive(client, &frame, 60000))) return 1;
   print_truth("frame", &frame);
