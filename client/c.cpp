@@ -4,10 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <deque>
 #include <limits>
-#include <map>
-#include <memory>
 #include <string>
 #include <utility>
 
@@ -17,8 +14,11 @@
 #include "client/settings_text.h"
 #include "proto/ground_record.h"
 #include "proto/obliq.pb.h"
+// After the messages:
+#include "client/c_client.h"
 
 using namespace obliq;
+using namespace obliq::client::c;
 using client::Outcome;
 using client::Status;
 
@@ -26,50 +26,14 @@ static_assert(static_cast<int>(Outcome::untrusted) == OBLIQ_UNTRUSTED &&
               static_cast<int>(Outcome::refused) == OBLIQ_REFUSED);
 static_assert(wire::plane_bit(wire::Plane::iq) == OBLIQ_IQ &&
               wire::plane_bit(wire::Plane::video) == OBLIQ_VIDEO &&
-              wire::plane_bit(wire::Plane::returns) == OBLIQ_RETURNS);
+              wire::plane_bit(wire::Plane::returns) == OBLIQ_RETURNS &&
+              wire::plane_bit(wire::Plane::target) == OBLIQ_TARGET);
 static_assert(sizeof(std::complex<float>) == 2 * sizeof(float));
-
-struct obliq_client {
-  client::Client client;
-  client::FramesOfStreams frames;
-  client::AssembledFrame shown;  ///< what the newest obliq_frame points into
-  std::string radar;             ///< its name
-  wire::ExerciseEvents events;   ///< of the newest answer
-  std::string error;
-  std::uint32_t number = 0;
-};
 
 namespace {
 
-constexpr std::int64_t kNoTime = std::numeric_limits<std::int64_t>::min();
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-/// What a caller may leave out.
-std::string text_of(const char* text) { return text != nullptr ? text : ""; }
-
-Status bad(const std::string& text) { return Status::failure(Outcome::bad_argument, text); }
-
-/// Runs a call; whatever it ends with becomes a number and a sentence.
-template <class Call>
-int guarded(obliq_client* self, Call call) noexcept {
-  if (self == nullptr) return OBLIQ_BAD_ARGUMENT;
-  try {
-    const Status status = call();
-    self->number = status.number;
-    self->error = status.ok() ? "" : status.sentence();
-    return static_cast<int>(status.outcome);
-  } catch (const std::exception& e) {
-    self->number = 0;
-    try {
-      self->error = e.what();
-    } catch (...) {  // no memory for the words either
-      self->error.clear();
-    }
-  } catch (...) {
-    self->number = 0;
-  }
-  return OBLIQ_FAILED;
-}
+/// Of obliq_planes.
+constexpr unsigned kNoPlanes = OBLIQ_TRUTH | OBLIQ_LIVE_TARGETS;
 
 void write(const obliq_pose& from, wire::Pose& to) {
   if (!std::isnan(from.latitude_deg)) to.set_latitude_deg(from.latitude_deg);
@@ -105,12 +69,17 @@ obliq_pose read(const wire::Pose& from) {
           from.pitch_deg()};
 }
 
-Status read_planes(unsigned planes, google::protobuf::RepeatedField<int>& list) {
-  constexpr unsigned kOfThisLibrary = wire::kEveryPlane & ~wire::kTargetPlane;
-  if (planes == 0 || (planes & ~kOfThisLibrary) != 0)
+/// planes: a sum of obliq_planes. allowed_beside: of those that are no planes.
+template <class Request>
+Status read_planes(unsigned planes, unsigned allowed_beside, Request& request) {
+  const unsigned beside = planes & kNoPlanes;
+  if ((planes & wire::kEveryPlane) == 0 || (planes & ~(wire::kEveryPlane | kNoPlanes)) != 0)
     return bad("planes: found " + std::to_string(planes) + "; allowed: a sum of obliq_planes");
+  if ((beside & ~allowed_beside) != 0)
+    return bad("planes: found OBLIQ_LIVE_TARGETS; allowed: of obliq_render() alone");
   for (int plane = 0; plane < wire::kPlanes; ++plane)
-    if ((planes >> plane & 1u) != 0) list.Add(plane);
+    if ((planes >> plane & 1u) != 0) request.add_planes(static_cast<wire::PlaneKind>(plane));
+  request.set_truth((planes & OBLIQ_TRUTH) != 0);
   return {};
 }
 
@@ -123,6 +92,7 @@ void show(obliq_client& self, obliq_frame& to) {
   const client::AssembledFrame& frame = self.shown;
   const wire::FrameDescriptor& d = *frame.descriptor;
   self.radar = d.radar();
+  read_truth(self);
   to = {self.radar.c_str(),
         d.frame_id(),
         frame.request_id,
@@ -144,7 +114,10 @@ void show(obliq_client& self, obliq_frame& to) {
         plane_or_null(frame.material),
         plane_or_null(frame.building),
         plane_or_null(frame.height_m),
-        plane_or_null(frame.returns)};
+        plane_or_null(frame.returns),
+        plane_or_null(frame.target),
+        plane_or_null(self.truth),
+        self.truth.size()};
 }
 
 int seen(wire::Sight sight) {
@@ -184,6 +157,9 @@ const char* obliq_error(const obliq_client* client) {
   return client != nullptr ? client->error.c_str() : "no client";
 }
 uint32_t obliq_error_number(const obliq_client* client) { return client != nullptr ? client->number : 0; }
+const char* obliq_warnings(const obliq_client* client) {
+  return client != nullptr ? client->warning_lines.c_str() : "";
+}
 
 const char* obliq_radar(const obliq_client* client, int index) {
   if (client == nullptr || !client->client.is_open()) return nullptr;
@@ -217,7 +193,9 @@ int obliq_move(obliq_client* client, const char* radar, const obliq_pose* pose) 
     wire::Pose to;
     write(*pose, to);
     wire::Ack ack;
-    return client->client.set_pose(text_of(radar), to, ack);
+    Status status = client->client.set_pose(text_of(radar), to, ack);
+    client->warnings.assign(ack.warnings().begin(), ack.warnings().end());
+    return status;
   });
 }
 
@@ -236,7 +214,9 @@ int obliq_set(obliq_client* client, const char* radar, const char* settings) {
     wire::RadarSettings wanted;
     if (Status status = client::read_settings(text_of(settings), wanted); !status.ok()) return status;
     wire::Ack ack;
-    return client->client.set_settings(text_of(radar), wanted, ack);
+    Status status = client->client.set_settings(text_of(radar), wanted, ack);
+    client->warnings.assign(ack.warnings().begin(), ack.warnings().end());
+    return status;
   });
 }
 
@@ -262,14 +242,17 @@ int obliq_subscribe(obliq_client* client, const char* radar, double rate_hz, uns
     wire::Subscribe request;
     request.set_radar(text_of(radar));
     request.set_rate_hz(rate_hz);
-    if (Status status = read_planes(planes, *request.mutable_planes()); !status.ok()) return status;
-    client->frames.of_radar[request.radar()] = static_cast<wire::PlaneSet>(planes);
-    return client->client.subscribe(request);
+    if (Status status = read_planes(planes, OBLIQ_TRUTH, request); !status.ok()) return status;
+    // Frames that arrive before the answer are still of the subscription before.
+    Status status = client->client.subscribe(request);
+    if (status.ok())
+      client->frames.watch(request.radar(), static_cast<wire::PlaneSet>(planes & wire::kEveryPlane));
+    return status;
   });
 }
 int obliq_unsubscribe(obliq_client* client, const char* radar) {
   return guarded(client, [&] {
-    client->frames.of_radar.erase(text_of(radar));
+    client->frames.unwatch(text_of(radar));
     return client->client.unsubscribe(text_of(radar));
   });
 }
@@ -283,9 +266,11 @@ int obliq_render(obliq_client* client, const char* radar, const obliq_pose* pose
     if (pose != nullptr) write(*pose, *request.mutable_pose());
     if (Status status = client::read_settings(text_of(settings), *request.mutable_settings()); !status.ok())
       return status;
-    if (Status status = read_planes(planes, *request.mutable_planes()); !status.ok()) return status;
+    if (Status status = read_planes(planes, kNoPlanes, request); !status.ok()) return status;
+    request.set_live_targets((planes & OBLIQ_LIVE_TARGETS) != 0);
     Status status = client->client.render_once(request);
-    if (status.ok()) client->frames.of_request[request.request_id()] = static_cast<wire::PlaneSet>(planes);
+    const auto wanted = static_cast<wire::PlaneSet>(planes & wire::kEveryPlane);
+    if (status.ok()) client->frames.of_request[request.request_id()] = wanted;
     if (status.ok() && request_id != nullptr) *request_id = request.request_id();
     return status;
   });

@@ -6,10 +6,17 @@
 
 namespace obliq::client {
 
+void FramesOfStreams::watch(const std::string& radar, wire::PlaneSet planes) {
+  of_radar_[radar] = planes;
+  std::erase_if(whole, [&](const AssembledFrame& frame) {
+    return frame.request_id == 0 && frame.descriptor->radar() == radar;  // it may have other planes
+  });
+}
+
 Status FramesOfStreams::on_begin(const wire::MessageHeader& header, const wire::FrameBegin& begin) {
   const auto asked = of_request.find(begin.request_id());
-  const auto watched = of_radar.find(begin.frame().radar());
-  if (asked == of_request.end() && watched == of_radar.end()) return {};  // no longer wanted
+  const auto watched = of_radar_.find(begin.frame().radar());
+  if (asked == of_request.end() && watched == of_radar_.end()) return {};  // no longer wanted
   const wire::PlaneSet planes = asked != of_request.end() ? asked->second : watched->second;
   Stream& stream = streams_[header.stream_id];
   if (stream.frames == nullptr || stream.planes != planes)
@@ -21,6 +28,12 @@ Status FramesOfStreams::on_block(const wire::MessageHeader& header, const wire::
                                  std::span<const std::byte> values) {
   const auto stream = streams_.find(header.stream_id);
   return stream == streams_.end() ? Status{} : stream->second.frames->on_block(header, block, values);
+}
+
+Status FramesOfStreams::on_targets(const wire::MessageHeader& header, const wire::TargetBlock& block,
+                                   std::span<const wire::TargetRecord> records) {
+  const auto stream = streams_.find(header.stream_id);
+  return stream == streams_.end() ? Status{} : stream->second.frames->on_targets(header, block, records);
 }
 
 Status FramesOfStreams::on_end(const wire::MessageHeader& header, const wire::FrameEnd& end) {

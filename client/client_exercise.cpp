@@ -16,6 +16,7 @@ Status Client::State::hand_on_events(const Message& message) {
 }
 
 Status Client::State::demand_1_2() const {
+  if (!connection.is_open()) return Status::failure(Outcome::closed, "not connected");
   if (welcome.minor() >= 2) return {};
   return Status::failure(Outcome::bad_argument, "the server speaks version 1." +
                                                     std::to_string(welcome.minor()) +

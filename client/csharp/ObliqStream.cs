@@ -41,6 +41,7 @@ namespace Obliq
     {
         [DataMember] public string server_name, server_version, scene_name, role, client_name;
         [DataMember] public string[] radars;
+        [DataMember] public bool truth;  ///< this client may be told where targets are
     }
 
     [Serializable, DataContract]
@@ -83,6 +84,33 @@ namespace Obliq
         [DataMember] public bool more;
     }
 
+    /// <summary>A target of the world as it was set; what it has not is 0, of a route its points. See PROTOCOL.md, "Targets".</summary>
+    [Serializable, DataContract]
+    public sealed class Target
+    {
+        [DataMember] public string id, name, type, height_reference, sim_time_ns;  // height_reference absent: DATUM, as every enum's first
+        [DataMember] public double latitude_deg, longitude_deg, height_m, geoid_undulation_m;
+        [DataMember] public double velocity_north_m_s, velocity_east_m_s, velocity_up_m_s;
+        [DataMember] public double acceleration_north_m_s2, acceleration_east_m_s2, acceleration_up_m_s2;
+        [DataMember] public double heading_deg, heading_rate_deg_s, rcs_dbsm, length_m, width_m, top_m, valid_s, age_s;
+        [DataMember] public int swerling;
+        [DataMember] public TargetRoute route;
+    }
+
+    [Serializable, DataContract]
+    public sealed class TargetRoute
+    {
+        [DataMember] public double[] latitude_deg, longitude_deg, height_m, speed_m_s;
+        [DataMember] public bool loops;
+    }
+
+    [Serializable, DataContract]
+    internal sealed class TargetList
+    {
+        [DataMember] public Target[] targets;
+        [DataMember] public bool more;
+    }
+
     [Serializable, DataContract]
     public sealed class FrameDescriptor
     {
@@ -119,6 +147,9 @@ namespace Obliq
         [DataMember] public int first_azimuth, n_azimuth, first_range, n_range;
         [DataMember] public Pose pose;
     }
+
+    [Serializable, DataContract]
+    internal sealed class TargetBlock { [DataMember] public int records, record_bytes; }
 
     [Serializable, DataContract]
     internal sealed class AzimuthSpan { [DataMember] public int first_azimuth, n_azimuth; }
@@ -162,6 +193,51 @@ namespace Obliq
         }
     }
 
+    /// <summary>What hides a target, or part of it.</summary>
+    public enum HiddenBy : byte { Nothing, Ground, Building, Horizon, UnknownGround }
+
+    /// <summary>Where a target is in a frame, seen or not: PROTOCOL.md, "Truth".</summary>
+    public struct TargetTruth
+    {
+        public ulong Id;
+        public double Latitude_deg, Longitude_deg;  ///< of its foot, as the next
+        public double Height_m;      ///< above the datum
+        public double Bearing_deg;   ///< true, from the antenna, 0 to 360
+        public double Range_m;       ///< slant range
+        public float Elevation_deg;
+        public float Closing_m_s;    ///< of target and antenna together; positive: the range falls
+        public float Snr_db;         ///< in the middle of beam and pulse; -1000: nothing is seen
+        public float Rcs_dbsm;       ///< as drawn for this look
+        public float ShareSeen;      ///< 0 to 1
+        public int AzimuthBin, RangeBin;  ///< that hold it; -1: none
+        public HiddenBy HiddenBy;
+        public bool IsPower;         ///< Snr_db is the echo's power in dBW: the receiver has no noise
+
+        internal const int RecordBytes = 80;  // a later server's may be longer
+
+        internal static TargetTruth Read(byte[] bytes, int at)
+        {
+            return new TargetTruth
+            {
+                Id = BitConverter.ToUInt64(bytes, at),
+                Latitude_deg = BitConverter.ToDouble(bytes, at + 8),
+                Longitude_deg = BitConverter.ToDouble(bytes, at + 16),
+                Height_m = BitConverter.ToDouble(bytes, at + 24),
+                Bearing_deg = BitConverter.ToDouble(bytes, at + 32),
+                Range_m = BitConverter.ToDouble(bytes, at + 40),
+                Elevation_deg = BitConverter.ToSingle(bytes, at + 48),
+                Closing_m_s = BitConverter.ToSingle(bytes, at + 52),
+                Snr_db = BitConverter.ToSingle(bytes, at + 56),
+                Rcs_dbsm = BitConverter.ToSingle(bytes, at + 60),
+                ShareSeen = BitConverter.ToSingle(bytes, at + 64),
+                AzimuthBin = BitConverter.ToInt32(bytes, at + 68),
+                RangeBin = BitConverter.ToInt32(bytes, at + 72),
+                HiddenBy = (HiddenBy)bytes[at + 76],
+                IsPower = bytes[at + 77] != 0
+            };
+        }
+    }
+
     /// <summary>Bins of a radar. Azimuth is the slow index, range the fast one: bin (a, r) is at [a * RangeBins + r].</summary>
     public sealed class Frame
     {
@@ -177,6 +253,10 @@ namespace Obliq
         public float[] Building;  ///< share of power that walls and roofs give, 0 to 1
         public float[] Height_m;  ///< above the datum, weighed by power; NaN: no power
         public byte[] Returns;    ///< separate stretches of visible surface; above 1 is layover
+        public uint[] Target;     ///< the strongest target in the bin: the last 32 bits of its id; 0: none
+        /// <summary>Where targets are, where truth was asked for; null: not, or not yet. Of a pass those of the dwells that have come,
+        /// each time in a new array.</summary>
+        public volatile TargetTruth[] Targets;
         /// <summary>True bearing of each azimuth's left edge as it was seen: where the antenna itself turns, a pass's differ from
         /// azimuth_start_deg + a azimuth_width_deg. NaN: not seen yet.</summary>
         public double[] Bearings_deg;
@@ -201,6 +281,7 @@ namespace Obliq
             if (name == "IQ") return Iq ?? (Iq = new float[2 * bins]);
             if (name == "BUILDING") return Building ?? (Building = new float[bins]);
             if (name == "RETURNS") return Returns ?? (Returns = new byte[bins]);
+            if (name == "TARGET") return Target ?? (Target = new uint[bins]);
             if (name == "MATERIAL") return Material ?? (Material = Filled(new byte[bins], 0, bins, NoMaterial));
             return name == "HEIGHT" ? Height_m ?? (Height_m = Filled(new float[bins], 0, bins, float.NaN)) : null;
         }
@@ -220,11 +301,12 @@ namespace Obliq
             if (Building != null) planes.Add("BUILDING");
             if (Height_m != null) planes.Add("HEIGHT");
             if (Returns != null) planes.Add("RETURNS");
+            if (Target != null) planes.Add("TARGET");
             return planes;
         }
         internal static int BytesOfABin(string plane)
         {
-            return plane == "IQ" ? 8 : plane == "BUILDING" || plane == "HEIGHT" ? 4 : 1;
+            return plane == "IQ" ? 8 : plane == "BUILDING" || plane == "HEIGHT" || plane == "TARGET" ? 4 : 1;
         }
         // What is not looked at holds no echo (PROTOCOL.md, planes).
         internal void SetEmpty(string name, int firstAzimuth, int azimuths)
@@ -255,6 +337,7 @@ namespace Obliq
             Building = before.Building == null ? null : (float[])before.Building.Clone();
             Height_m = before.Height_m == null ? null : (float[])before.Height_m.Clone();
             Returns = before.Returns == null ? null : (byte[])before.Returns.Clone();
+            Target = before.Target == null ? null : (uint[])before.Target.Clone();
             Bearings_deg = (double[])before.Bearings_deg.Clone();
             Continues = true;
         }
@@ -264,7 +347,7 @@ namespace Obliq
     public sealed class Dwell
     {
         public Frame Picture;  ///< has these rows already; ahead of the beam are the rows of the pass before
-        public string Plane;   ///< "VIDEO", "IQ", "STATE", "MATERIAL", "BUILDING", "HEIGHT" or "RETURNS"
+        public string Plane;   ///< "VIDEO", "IQ", "STATE", "MATERIAL", "BUILDING", "HEIGHT", "RETURNS" or "TARGET"
         public int FirstAzimuth, AzimuthCount;
         public Pose Pose;      ///< the antenna's, when the beam stood there
         public long BeamNs;    ///< when that was, by the server's monotonic clock; 0: the radar does not turn
@@ -273,14 +356,14 @@ namespace Obliq
     /// <summary>The JSON of a request. Only what is added is sent: with proto3's optional fields 0 is a value.</summary>
     public sealed class Fields
     {
-        // The integers among the fields of RadarSettings and of Pose, as obliq.proto has them.
+        // The integers among the fields of RadarSettings, of Pose and of Target, as obliq.proto has them.
         private static readonly string[] Int32s = {
             "pixel_columns", "pixel_rows", "azimuth_bins", "range_bins", "scan_dwell_bins", "sub_columns",
-            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks", "planes_per_bin" };
+            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks", "planes_per_bin", "swerling" };
         private static readonly string[] Int64s = {
             "speckle_seed", "noise_seed", "sim_time_ns" };
         private static readonly string[] Uint64s = {
-            "noise_frame", "pose_id" };
+            "noise_frame", "pose_id", "id" };
         private readonly StringBuilder text_ = new StringBuilder("{");
 
         // An integer that is none, or is too great for its field, is refused here, with an ObliqException.
@@ -290,27 +373,36 @@ namespace Obliq
         {
             return Put(name, Checked(name, value.ToString(CultureInfo.InvariantCulture), true));
         }
+        public Fields Add(string name, ulong value)
+        {
+            return Put(name, Checked(name, value.ToString(CultureInfo.InvariantCulture), true));
+        }
         public Fields Add(string name, double value)
         {
-            bool odd = double.IsNaN(value) || double.IsInfinity(value);
-            var text = value.ToString("R", CultureInfo.InvariantCulture).Replace("\u221E", "Infinity");
-            text = Checked(name, text, value == Math.Floor(value));
-            return Put(name, odd ? Quoted(text) : text);
+            return Put(name, Finished(value, Checked(name, TextOf(value), value == Math.Floor(value))));
         }
         public Fields Add(string name, Fields value) { return Put(name, value.ToString()); }
         public Fields Add(string name, IEnumerable<string> values)
         {
             var quoted = new List<string>();
             foreach (var value in values) quoted.Add(Quoted(value));
-            return Put(name, "[" + string.Join(",", quoted.ToArray()) + "]");
+            return AddJson(name, quoted);
         }
         public Fields Add(string name, IEnumerable<double> values)
         {
             var texts = new List<string>();
-            foreach (var value in values) texts.Add(value.ToString("R", CultureInfo.InvariantCulture));
-            return Put(name, "[" + string.Join(",", texts.ToArray()) + "]");
+            foreach (var value in values) texts.Add(Finished(value, TextOf(value)));
+            return AddJson(name, texts);
         }
+        internal Fields AddJson(string name, List<string> values) { return Put(name, "[" + string.Join(",", values.ToArray()) + "]"); }
         public override string ToString() { return text_ + "}"; }
+
+        private static string TextOf(double value) { return value.ToString("R", CultureInfo.InvariantCulture).Replace("\u221E", "Infinity"); }
+        // What is not finite is a text in JSON: "NaN", "Infinity", "-Infinity".
+        private static string Finished(double value, string text)
+        {
+            return double.IsNaN(value) || double.IsInfinity(value) ? Quoted(text) : text;
+        }
 
         private static string Checked(string name, string text, bool isWhole)
         {
@@ -349,13 +441,14 @@ namespace Obliq
         {
             Hello = 1, Welcome = 2, Ack = 3, Error = 4, Heartbeat = 5, GetRadar = 18, RadarInfo = 19, ClaimControl = 20,
             ReleaseControl = 21, SetSettings = 22, SetPose = 23, Subscribe = 24, Unsubscribe = 25, RenderOnce = 26, SetState = 29,
-            ResetExercise = 37, SetExercise = 41, GetEvents = 42, AddBookmark = 44,
-            FrameBegin = 48, WedgeBlock = 49, FrameEnd = 50, FrameAbort = 51
+            SetTargets = 34, GetTargets = 35, ResetExercise = 37, SetExercise = 41, GetEvents = 42, AddBookmark = 44,
+            FrameBegin = 48, WedgeBlock = 49, FrameEnd = 50, FrameAbort = 51, TargetBlock = 52
         }
 
         private readonly ClientWebSocket socket_ = new ClientWebSocket();
         private readonly CancellationTokenSource closing_ = new CancellationTokenSource();
         private readonly SemaphoreSlim sending_ = new SemaphoreSlim(1, 1);
+        private readonly SemaphoreSlim settingTargets_ = new SemaphoreSlim(1, 1);  // the parts of one change follow each other
         // By request: a string, the answer's JSON; a Frame that a RenderOnce waits for.
         private sealed class Answer : TaskCompletionSource<object>
         {
@@ -405,10 +498,15 @@ namespace Obliq
         {
             return Scalars((string)await AskAsync(Type.GetRadar, new Fields().Add("radar", radar)).ConfigureAwait(false), "settings");
         }
-        /// <param name="planes">"VIDEO", "IQ", "STATE"; labels, of a server of 1.2: "MATERIAL", "BUILDING", "HEIGHT", "RETURNS".</param>
+        /// <param name="planes">"VIDEO", "IQ", "STATE"; labels, of a server of 1.2: "MATERIAL", "BUILDING", "HEIGHT", "RETURNS"; "TARGET", for its truth role.</param>
         public Task<Ack> SubscribeAsync(string radar, double rateHz, params string[] planes)
         {
             return AckAsync(Type.Subscribe, new Fields().Add("radar", radar).Add("rate_hz", rateHz).Add("planes", planes));
+        }
+        /// <summary>As SubscribeAsync, and Frame.Targets says where targets are. For the server's truth role (Welcome.truth).</summary>
+        public Task<Ack> SubscribeWithTruthAsync(string radar, double rateHz, params string[] planes)
+        {
+            return AckAsync(Type.Subscribe, new Fields().Add("radar", radar).Add("rate_hz", rateHz).Add("planes", planes).Add("truth", true));
         }
         public Task<Ack> UnsubscribeAsync(string radar) { return AckAsync(Type.Unsubscribe, new Fields().Add("radar", radar)); }
         /// <summary>Pose and settings.</summary>
@@ -480,6 +578,93 @@ namespace Obliq
         {
             return (Frame)await AskAsync(Type.RenderOnce, new Fields().Add("radar", radar).Add("as_live", true).Add("pose", pose ?? new Fields())
                 .Add("settings", settings ?? new Fields()).Add("planes", planes)).ConfigureAwait(false);
+        }
+        /// <summary>As RenderAsLiveAsync, with the world's targets in it; where this client may be told (Welcome.truth), with Frame.Targets.</summary>
+        public async Task<Frame> RenderWithTargetsAsync(string radar, Fields pose, Fields settings, params string[] planes)
+        {
+            return (Frame)await AskAsync(Type.RenderOnce, new Fields().Add("radar", radar).Add("as_live", true).Add("pose", pose ?? new Fields())
+                .Add("settings", settings ?? new Fields()).Add("planes", planes).Add("live_targets", true).Add("truth", Welcome.truth))
+                .ConfigureAwait(false);
+        }
+
+        // Targets belong to the world: all radars see them.
+
+        /// <summary>This client alone may set them. They stay when it leaves.</summary>
+        public Task<Ack> ClaimTargetsAsync(bool force = false)
+        {
+            return AckAsync(Type.ClaimControl, new Fields().Add("force", force).Add("kinds", new[] { "TARGETS_CLAIM" }));
+        }
+        public Task<Ack> ReleaseTargetsAsync() { return AckAsync(Type.ReleaseControl, new Fields().Add("kinds", new[] { "TARGETS_CLAIM" })); }
+        /// <summary>All of them at once, or none. Ack.warnings: of what was left out.</summary>
+        /// <param name="targets">Fields of Target, each with an id from 1: new Fields().Add("id", 7L).Add("type", "truck"). Of a known id what
+        /// is not added keeps its value; of a new one it is its type's, or the default.</param>
+        public Task<Ack> SetTargetsAsync(params Fields[] targets) { return ChangeTargetsAsync(targets, false); }
+        /// <summary>As SetTargetsAsync; all others go at the same moment.</summary>
+        public Task<Ack> ReplaceTargetsAsync(params Fields[] targets) { return ChangeTargetsAsync(targets, true); }
+        public Task<Ack> ClearTargetsAsync() { return ChangeTargetsAsync(new Fields[0], true); }
+        /// <summary>Takes some away; ids that the world has not are no fault.</summary>
+        public Task<Ack> RemoveTargetsAsync(params ulong[] ids)
+        {
+            var gone = new List<string>();
+            foreach (var id in ids) gone.Add(id.ToString(CultureInfo.InvariantCulture));
+            return ChangeTargetsAsync("gone", gone, false);
+        }
+        /// <summary>All targets of the world, rising by id. For the server's truth role (Welcome.truth).</summary>
+        public async Task<List<Target>> GetTargetsAsync()
+        {
+            var all = new List<Target>();
+            for (bool more = true; more;)
+            {
+                var after = new Fields().Add("after", all.Count > 0 ? all[all.Count - 1].id : "0");
+                var page = Json<TargetList>((string)await AskAsync(Type.GetTargets, after).ConfigureAwait(false));
+                all.AddRange(page.targets ?? new Target[0]);
+                more = page.more && page.targets != null && page.targets.Length > 0;
+            }
+            return all;
+        }
+
+        // Of the targets in one request, below the 65536 bytes and the 10000 values of a list that a server takes.
+        private const int TargetPageBytes = 60000, TargetPageItems = 5000;
+
+        private Task<Ack> ChangeTargetsAsync(Fields[] targets, bool clear)
+        {
+            var texts = new List<string>();
+            foreach (var target in targets) texts.Add(target.ToString());
+            return ChangeTargetsAsync("targets", texts, clear);
+        }
+
+        // What one request does not hold goes in several: the server does all of it when the last has come.
+        private async Task<Ack> ChangeTargetsAsync(string list, List<string> items, bool clear)
+        {
+            var pages = new List<List<string>> { new List<string>() };
+            int bytes = 0;
+            for (int k = 0; k < items.Count; ++k)
+            {
+                int more = Encoding.UTF8.GetByteCount(items[k]) + 1;
+                if (more > TargetPageBytes)
+                    throw new ObliqException(100, "not sent", new[] { new FieldFault {
+                        field = list + "[" + k + "]", found = more + " bytes of JSON", allowed = "at most " + TargetPageBytes } });
+                if (bytes + more > TargetPageBytes || pages[pages.Count - 1].Count == TargetPageItems)
+                {
+                    pages.Add(new List<string>());
+                    bytes = 0;
+                }
+                pages[pages.Count - 1].Add(items[k]);
+                bytes += more;
+            }
+            await settingTargets_.WaitAsync(closing_.Token).ConfigureAwait(false);
+            try
+            {
+                Ack ack = null;
+                for (int k = 0; k < pages.Count; ++k)
+                {
+                    bool isFirst = k == 0, isLast = k == pages.Count - 1;
+                    var change = new Fields().AddJson(list, pages[k]).Add("clear", clear && isFirst).Add("more", !isLast);
+                    ack = await AckAsync(Type.SetTargets, change).ConfigureAwait(false);
+                }
+                return ack;
+            }
+            finally { settingTargets_.Release(); }
         }
         /// <summary>The newest whole frame that has not been taken; of a turning radar a whole pass.</summary>
         public bool TryTakeFrame(out Frame frame) { return (frame = Interlocked.Exchange(ref newest_, null)) != null; }
@@ -588,6 +773,9 @@ namespace Obliq
                 case Type.WedgeBlock:
                     if (begun_.TryGetValue(stream, out frame)) Put(frame, Json<WedgeBlock>(json), bytes, plane, length - plane);
                     break;
+                case Type.TargetBlock:
+                    if (begun_.TryGetValue(stream, out frame)) PutTargets(frame, Json<TargetBlock>(json), bytes, plane, length - plane);
+                    break;
                 case Type.FrameEnd:
                     if (begun_.TryGetValue(stream, out frame)) Complete(frame, Json<FrameEnd>(json));
                     begun_.Remove(stream);
@@ -636,6 +824,8 @@ namespace Obliq
 
         // A radar has at most 8192 x 8192 bins.
         private const int MostAzimuths = 1 << 14, MostBins = 1 << 28;
+        // Of a frame: more than a hundred worlds have.
+        private const int MostTargets = 1000000;
         // A pass that brought less than this part of its bytes and missed the others is given up, unless it is small; as
         // frame_assembler.cpp does.
         private const int LeastPart = 64, SmallBytes = 1 << 20;
@@ -674,6 +864,18 @@ namespace Obliq
             long beam_ns;
             long.TryParse(block.beam_ns, NumberStyles.Integer, CultureInfo.InvariantCulture, out beam_ns);
             Tell(frame, name, block.first_azimuth, block.n_azimuth, block.pose, beam_ns);
+        }
+
+        private static void PutTargets(Frame frame, TargetBlock block, byte[] bytes, int from, int count)
+        {
+            var before = frame.Targets ?? new TargetTruth[0];
+            if (block.records < 0 || block.record_bytes < TargetTruth.RecordBytes || count != (long)block.records * block.record_bytes)
+                throw new IOException("targets that have not the bytes of their records");
+            if (before.Length + block.records > MostTargets) throw new IOException("a frame of too many targets");
+            var all = new TargetTruth[before.Length + block.records];
+            before.CopyTo(all, 0);
+            for (int k = 0; k < block.records; ++k) all[before.Length + k] = TargetTruth.Read(bytes, from + k * block.record_bytes);
+            frame.Targets = all;
         }
 
         private void Complete(Frame frame, FrameEnd end)

@@ -48,7 +48,8 @@ class Frame(ctypes.Structure):
         ("pose", Pose), ("iq", ctypes.POINTER(ctypes.c_float)), ("power_w", ctypes.POINTER(D)), ("count", ctypes.POINTER(ctypes.c_uint32)),
         ("state", ctypes.POINTER(ctypes.c_uint8)), ("video", ctypes.POINTER(ctypes.c_uint16)),
         ("material", ctypes.POINTER(ctypes.c_uint8)), ("building", ctypes.POINTER(ctypes.c_float)),
-        ("height_m", ctypes.POINTER(ctypes.c_float)), ("returns", ctypes.POINTER(ctypes.c_uint8))]
+        ("height_m", ctypes.POINTER(ctypes.c_float)), ("returns", ctypes.POINTER(ctypes.c_uint8)),
+        ("target", ctypes.POINTER(ctypes.c_uint32)), ("truth", ctypes.c_void_p), ("n_truth", ctypes.c_size_t)]
 
 
 def fnv1a(data):
@@ -110,13 +111,13 @@ def check_ctypes(library, address):
     c.obliq_no_pose(ctypes.byref(pose))
     pose.bearing_deg = 40.0
     ok(c.obliq_move(client, b"main", ctypes.byref(pose)))
-    ok(c.obliq_subscribe(client, b"main", 20.0, 1 | 2 | 4 | 8 | 16 | 64 | 128 | 256 | 512))
+    ok(c.obliq_subscribe(client, b"main", 20.0, 1 | 2 | 4 | 8 | 16 | 64 | 128 | 256 | 512 | 1024))
     frame = Frame()
     ok(c.obliq_receive(client, ctypes.byref(frame), 60000))
     shape = (frame.n_azimuth, frame.n_range)
     with obliq.connect(address) as server:
-        same = server.radar("main").frame(planes="iq power count state video material building height returns")
-    for name in ("iq", "power_w", "count", "state", "video", "material", "building", "height_m", "returns"):
+        same = server.radar("main").frame(planes="iq power count state video material building height returns target")
+    for name in ("iq", "power_w", "count", "state", "video", "material", "building", "height_m", "returns", "target"):
         values = np.ctypeslib.as_array(getattr(frame, name), (*shape, 2) if name == "iq" else shape)
         if name == "iq":
             values = values.view(np.complex64)[..., 0]

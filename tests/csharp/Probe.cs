@@ -1,5 +1,5 @@
 // What csharp_client.py asks of ObliqStream.cs, a line of output for each answer.
-//   Probe.exe URL RADAR TOKEN|- [turning LATITUDE LONGITUDE HEIGHT]
+//   Probe.exe URL RADAR TOKEN|- [turning LATITUDE LONGITUDE HEIGHT | targets VIEWERS_TOKEN | pass]
 using System;
 using System.Linq;
 using System.Security.Cryptography;
@@ -105,7 +105,10 @@ static class Probe
     {
         try
         {
-            if (args.Length > 3) Turn(args).Wait();
+            var what = args.Length > 3 ? args[3] : "";
+            if (what == "turning") Turn(args).Wait();
+            else if (what == "targets") Targets.Run(args[0], args[1], args[2], args[4]).Wait();
+            else if (what == "pass") Targets.RunPass(args[0], args[1], args[2]).Wait();
             else Run(args[0], args[1], args[2] == "-" ? null : args[2]).Wait();
             return 0;
         }

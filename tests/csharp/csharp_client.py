@@ -1,5 +1,5 @@
 """ObliqStream.cs, compiled by mcs and run by mono, against a daemon: its first frame has the bytes that the Python client
-gets over TCP, a pose with bearing 0 is applied, refusals are printed with their fields; a radar that turns is shown as it turns.
+gets over TCP, a pose with bearing 0 is applied, refusals are printed with their fields; a radar that turns is shown as it turns; targets are as Python has them.
 
   csharp_client.py --bin DIR       exit code 77 where mcs or mono is missing
 """
@@ -16,6 +16,8 @@ import threading
 import time
 
 import obliq
+
+import targets_over_tcp
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PLACE = (33.0, -99.5, 1500.0)
@@ -37,8 +39,13 @@ range = 32
 [server]
 port = 0
 tokens = "tokens"
+max_targets = 2000
 [http]
 port = 0
+[target_types.truck]
+rcs_dbsm = 40.0
+swerling = 0
+top_m = 4.0
 """ % PLACE
 # 9 dwells in four seconds.
 SCAN = """[scan]
@@ -46,7 +53,7 @@ mode = "circular"
 rate_deg_s = 90.0
 dwell_bins = 8
 """
-TOKEN = "controller-token-0123456789"
+TOKEN, VIEWER = "controller-token-0123456789", "viewer-token-0123456789"
 # A bearing that is not 0 at first; a field that 64-bit numbers lose in a double; what SetSettings changed.
 WHOLE32, WHOLE64 = ("a whole number from %d to %d" % (-2**bits, 2**bits - 1) for bits in (31, 63))
 NOT_SENT = [("azimuth_bins", "1.5", WHOLE32), ("range_bins", "4294967295", WHOLE32), ("range_bins", "1000000000000", WHOLE32),
@@ -92,11 +99,14 @@ def turning_over_tcp(address):
 
 def check_readme(folder):
     """The blocks of the README compile, and ObliqStream.cs does as Unity has it."""
-    first, unity = re.findall(r"^```csharp\n(.*?)^```", (ROOT / "client/csharp/README.md").read_text(), re.M | re.S)
+    first, targets, unity = re.findall(r"^```csharp\n(.*?)^```", (ROOT / "client/csharp/README.md").read_text(), re.M | re.S)
     (folder / "First.cs").write_text(first.replace("using Obliq;", "using Obliq; static class First { static void Use(byte[] rows, int first, int n) { }"
                                                    " static async System.Threading.Tasks.Task Run() {") + "}}\n")
+    (folder / "Second.cs").write_text("using Obliq; static class Second { static void Use(ulong id, int azimuth, int range) { }"
+                                      " static async System.Threading.Tasks.Task Run(ObliqStream radar) {" + targets + "}}\n")
     (folder / "Component.cs").write_text("using Obliq; using UnityEngine;\n" + unity)
-    compile_csharp(folder / "First.dll", "-target:library", ROOT / "client/csharp/ObliqStream.cs", folder / "First.cs")
+    compile_csharp(folder / "First.dll", "-target:library", ROOT / "client/csharp/ObliqStream.cs", folder / "First.cs",
+                   folder / "Second.cs")
     compile_csharp(folder / "Component.dll", "-target:library", "-d:UNITY_5_3_OR_NEWER", ROOT / "client/csharp/ObliqStream.cs",
                    ROOT / "tests/csharp/Unity.cs", folder / "Component.cs")
 
@@ -153,16 +163,25 @@ def check_turning(folder, programs, probe):
                     print(file=asking.stdin, flush=True)
             late.cancel()
         compare(found, wanted, "")
+        ran = subprocess.run(["mono", probe, web, "main", TOKEN, "pass"], capture_output=True, text=True, timeout=120)
+        compare(ran.stdout.splitlines(), targets_over_tcp.OF_A_PASS, ran.stderr)
     finally:
         stop(daemon)
+
+
+def check_targets(probe, tcp, web):
+    wanted = targets_over_tcp.expected(tcp, TOKEN)
+    ran = subprocess.run(["mono", probe, web, "main", TOKEN, "targets", VIEWER], capture_output=True, text=True, encoding="utf-8", timeout=120)
+    compare(ran.stdout.splitlines(), wanted, ran.stderr)
 
 
 def check(folder, programs):
     check_readme(folder)
     probe = folder / "Probe.exe"
-    compile_csharp(probe, *(ROOT / name for name in ("client/csharp/ObliqStream.cs", "tests/csharp/Probe.cs", "tests/csharp/Turning.cs")))
+    compile_csharp(probe, *(ROOT / name for name in ("client/csharp/ObliqStream.cs", "tests/csharp/Probe.cs", "tests/csharp/Turning.cs",
+                                               "tests/csharp/Targets.cs")))
     tokens = folder / "tokens"
-    tokens.write_text(f"controller {TOKEN}\n")
+    tokens.write_text(f"controller {TOKEN}\nviewer {VIEWER}\n")
     tokens.chmod(0o600)
     daemon, tcp, web = start(folder, programs, "scene", SCENE.replace("SECTOR", "60.0").replace("AZIMUTHS", "36"))
     try:
@@ -174,6 +193,7 @@ def check(folder, programs):
                                   text=True, timeout=120)
         if stranger.returncode != 1 or "obliq error 11: " not in stranger.stdout:
             sys.exit(f"csharp_client: with a wrong token: {stranger.stdout}{stranger.stderr}")
+        check_targets(probe, tcp, web)
     finally:
         stop(daemon)
     check_turning(folder, programs, probe)
