@@ -30,6 +30,8 @@ enum class RayMethod : std::uint8_t;
 enum class LogFormat;
 enum class LogLevel;
 enum class TruthRole;
+enum class RadarMode;
+enum class DopplerWindow;
 
 /// A value between its source and its place. Enumerations go by name.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string, std::vector<double>>;
@@ -39,7 +41,7 @@ using Slot =
     std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<double>*, std::string*,
                  std::vector<double>*, FrustumKind*, PlateKind*, ScanMode*, SpeckleKind*, Polarisation*,
                  BeamPattern*, ElevationPattern*, PulseKind*, PulseWindow*, HeightReference*, SyntheticKind*,
-                 ScatteringModel*, RayMethod*, LogFormat*, LogLevel*, TruthRole*>;
+                 ScatteringModel*, RayMethod*, LogFormat*, LogLevel*, TruthRole*, RadarMode*, DopplerWindow*>;
 
 /// An interval. NaN is in none; an infinity only where a closed end is infinite.
 struct Limits {

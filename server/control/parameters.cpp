@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/control/doppler_faults.h"
 #include "server/control/key.h"
 #include "server/control/planes_per_bin.h"
 #include "server/radar/beam/pattern_cuts.h"
@@ -172,7 +173,8 @@ void check_beam(const RadarSettings& s, std::vector<FieldError>& errors) {
   // What is outside its own limits has been reported already.
   if (!errors.empty()) return;
   check_file(s, errors);
-  if (s.beam.pattern != BeamPattern::off && errors.empty()) check_width(s, errors);
+  if (s.beam.pattern != BeamPattern::off && s.mode != RadarMode::sar && errors.empty())
+    check_width(s, errors);
   if (!s.beam.stabilised && s.beam.pattern == BeamPattern::off)
     errors.push_back(
         {"beam.stabilised", "false with beam.pattern = \"off\"",
@@ -207,6 +209,7 @@ std::vector<FieldError> validate(const RadarSettings& settings) {
   check_scan(settings, errors);
   check_beam(settings, errors);
   check_receiver(settings, errors);
+  check_doppler(settings, errors);
   return errors;
 }
 

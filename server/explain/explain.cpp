@@ -187,6 +187,8 @@ class Experiment {
     }
     const auto power_of = [&](const RadarSettings& settings) { return power(loaded, settings); };
     result_.radar = radar_rows(input_.settings, air_view(loaded.own->looks_at()), power_of);
+    for (ReportRow& row : doppler_rows(*plan(loaded, input_.settings)))
+      result_.radar.push_back(std::move(row));
     if (input_.targets)
       for (ReportRow& row : target_rows(*plan(loaded, input_.settings), air_view(loaded.own->looks_at()),
                                         *input_.targets, input_.target_names))

@@ -112,6 +112,8 @@ std::vector<ReportRow> scene_rows(const Explanation& explanation);
 /// `power_of` gives the bins of the wedges for other settings of the radar.
 std::vector<ReportRow> radar_rows(const RadarSettings& settings, const AirView& air,
                                   const std::function<std::vector<double>(const RadarSettings&)>& power_of);
+/// What its mode makes of Doppler; none of a map.
+std::vector<ReportRow> doppler_rows(const FramePlan& plan);
 /// The first of the scene's targets, by the radar equation. names: in their order.
 std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, const TargetSet& targets,
                                    const std::vector<std::string>& names);

@@ -100,6 +100,7 @@ double detectable_snr_db(int looks) {
 std::vector<ReportRow> radar_rows(const RadarSettings& s, const AirView& air,
                                   const std::function<std::vector<double>(const RadarSettings&)>& power_of) {
   RadarSettings plain = s;  // mean echoes of 1 W and 0 dB
+  plain.mode = RadarMode::map;
   plain.receiver = {};
   plain.atmosphere = {};
   plain.speckle = SpeckleKind::ground;

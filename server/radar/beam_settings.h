@@ -38,6 +38,7 @@ struct PulseSettings {
   int nbar = 4;
   int extent_bins = 16;  ///< half the length of the range filter
   bool eclipse = false;
+  double prf_hz = 1000;  ///< of the modes that look at Doppler
 };
 
 }  // namespace obliq

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
 #include "terrain/base/units.h"
 
@@ -16,9 +17,22 @@ AntennaAxes axes_of(const RadarSettings& settings, const PoseSettings& pose) {
           std::remainder(pose.bearing_deg - pose.heading_deg, 360.0) * kDegree_rad};
 }
 
+SectorVelocity velocity_of(const Scene& scene, const RadarSettings& settings, const Pose& pose,
+                           const AntennaAxes& axes) {
+  const glm::dvec3 v = antenna_velocity_m_s(scene.world(), pose);
+  const Sector sector(settings, pose);
+  const glm::dvec3 own = axes.own({v.x * sector.sin_bearing + v.z * sector.cos_bearing,
+                                   v.x * sector.cos_bearing - v.z * sector.sin_bearing, v.y});
+  return {own.x, own.y, own.z};
+}
+
 EchoPlace place_of(const Scene& scene, const RadarSettings& settings, const Pose& pose) {
   EchoPlace place;
   place.axes = axes_of(settings, pose.settings);
+  if (uses_doppler(settings)) place.velocity = velocity_of(scene, settings, pose, place.axes);
+  if (settings.mode == RadarMode::mti && settings.atmosphere.wind_m_s > 0)
+    for (std::size_t id = 0; id < scene.materials().size(); ++id)
+      if (scene.materials()[id].wind && scene.materials()[id].used) place.windy.push_back(static_cast<int>(id));
   SectorExtent extent;
   if (std::isnan(pose.ground_y_m)) extent = measure_sector(scene, Sector(settings, pose));
   const double above_m = pose.antenna.m.y - ground_y_m(pose, extent);
@@ -57,7 +71,7 @@ std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const Ra
                                     const Pose& pose) {
   if (const auto known = known_beam_faults(settings, pose.settings)) return *known;
   const EchoPlace place = place_of(*scene, settings, pose);
-  const auto fault = layout_fault(settings, lay_out_echo(settings, AzimuthPattern(settings), place));
+  const auto fault = layout_fault(settings, lay_out_echo(settings, AzimuthPattern(settings), place), place);
   return fault ? std::vector<FieldError>{*fault} : std::vector<FieldError>{};
 }
 
@@ -80,7 +94,8 @@ PlanResult plan_frame(std::shared_ptr<const Scene> scene, const SettingsPtr& sna
   const RadarSettings& sharp = sum != nullptr ? sum->looks_at() : settings;
   frame->narrow_bins_ = narrow_bins(sharp);
   ScenePlanResult looks_at =
-      plan_scene(std::move(scene), narrow_frame(sharp), turned, blurs(settings) || frame->narrow_bins_ > 1,
+      plan_scene(std::move(scene), narrow_frame(sharp), turned,
+                 blurs(settings) || uses_doppler(settings) || frame->narrow_bins_ > 1,
                  sum != nullptr ? sum->widths.get() : nullptr, axes_of(settings, pose.settings));
   if (!looks_at.plan) return {nullptr, std::move(looks_at.errors)};
   frame->looks_at_ = std::move(looks_at.plan);

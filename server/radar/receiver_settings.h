@@ -39,6 +39,7 @@ struct AtmosphereSettings {
   double rain_top_m = 4000;  ///< above the datum
   bool gas = false;
   Polarisation polarisation = Polarisation::horizontal;
+  double wind_m_s = 0;
 };
 
 }  // namespace obliq

@@ -55,6 +55,7 @@ std::vector<FieldError> flat_plate_faults(const RadarSettings& settings,
 RadarSettings sharp_settings(RadarSettings settings) {
   if (draws_speckle(settings) || settings.speckle == SpeckleKind::automatic)
     settings.speckle = SpeckleKind::ground;
+  settings.mode = RadarMode::map;
   settings.beam = {};
   settings.pulse = {};
   settings.receiver = {};
@@ -75,9 +76,11 @@ bool same_antenna(const RadarSettings& settings, PoseSettings a, const PoseSetti
   a.pose_id = b.pose_id;
   a.valid_s = b.valid_s;
   a.time_rate = b.time_rate;
-  a.velocity_north_m_s = b.velocity_north_m_s;
-  a.velocity_east_m_s = b.velocity_east_m_s;
-  a.velocity_up_m_s = b.velocity_up_m_s;
+  if (settings.mode == RadarMode::map) {
+    a.velocity_north_m_s = b.velocity_north_m_s;
+    a.velocity_east_m_s = b.velocity_east_m_s;
+    a.velocity_up_m_s = b.velocity_up_m_s;
+  }
   if (settings.beam.stabilised ||
       (a.roll_deg == 0 && a.pitch_deg == 0 && b.roll_deg == 0 && b.pitch_deg == 0)) {
     a.heading_deg = b.heading_deg;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/radar/beam_settings.h"
+#include "server/radar/doppler_settings.h"
 #include "server/radar/receiver_settings.h"
 #include "server/scene/materials.h"
 #include "terrain/base/errors.h"
@@ -35,6 +36,7 @@ std::string plates_name(PlateKind plates);
 /// the table of names, defaults and limits). Ranges are slant ranges.
 struct RadarSettings {
   double frequency_ghz = 10;
+  RadarMode mode = RadarMode::map;
   double sector_deg = 120;
   double r_min_m = 3700;
   double r_max_m = 37000;
@@ -60,6 +62,7 @@ struct RadarSettings {
   std::vector<double> scan_bars_deg;
   BeamSettings beam;
   PulseSettings pulse;
+  DopplerSettings doppler;
   ReceiverSettings receiver;
   VideoSettings video;
   AtmosphereSettings atmosphere;
@@ -89,6 +92,9 @@ inline int sweep_columns_per_bin(const RadarSettings& s) {
 inline bool blurs(const RadarSettings& s) {
   return s.beam.pattern != BeamPattern::off || s.pulse.kind != PulseKind::off;
 }
+
+/// Something is made of the bins' Doppler.
+inline bool uses_doppler(const RadarSettings& s) { return s.mode != RadarMode::map; }
 
 /// The same radar as a map maker has it: bins as sharp as their edges, no pattern in elevation, speckle of
 /// scatterers. What sampling is judged by.
@@ -139,8 +145,8 @@ struct PoseSettings {
   bool operator==(const PoseSettings&) const = default;
 };
 
-/// The same place, height and bearing, and of an antenna that is not stabilised the same attitude: whenever,
-/// however long it is valid and however fast it moves.
+/// The same place, height and bearing, of an antenna that is not stabilised the same attitude, and in modes
+/// that look at Doppler the same velocity: whenever, and however long it is valid.
 bool same_antenna(const RadarSettings& settings, PoseSettings a, const PoseSettings& b);
 
 /// A validated, published set of settings. Never changes; a change is a new snapshot with a new version.

@@ -72,7 +72,7 @@ class BeamSums : public WedgeSums {
         look_(wants_look(options, plan.settings())),
         look_key_(look_key(plan)),
         planes_{options.iq && !sum_.draws(), look_ && sum_.speckle != SpeckleKind::independent,
-                options.states, options.labels} {
+                options.states, options.labels || plan.needs_materials()} {
     const int azimuth = first * kWedgeAzimuthBins;
     outputs_ = {azimuth, std::min(end * kWedgeAzimuthBins, sum_.n_azimuth) - azimuth};
     if (sum_.ground) ground_.emplace(sum_.ground->rows, rows_.sharp_wedges());
@@ -125,6 +125,7 @@ class BeamSums : public WedgeSums {
       if (!buffers) buffers = std::make_unique<EchoSums>(sum_);
       buffers->sum(ready.rows, options_.draw, options_.iq, look_, wedge.bins);
       if (options_.labels) buffers->sum_labels(ready.rows, wedge.bins);
+      if (!options_.labels) wedge.bins.labels.returns.clear();
       if (options_.states) count_states(wedge);
       wedge.stats.sector_area_m2 = wedge.stats.covered_area_m2 = 0;
     }

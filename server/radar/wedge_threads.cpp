@@ -76,7 +76,8 @@ class WedgeThreads {
   void work_until_done() {
     const StageClock clock(options_.times);
     try {
-      WedgeWork work(plan_, tables_, options_.surfaces, sums_->needs_iq(), options_.labels);
+      WedgeWork work(plan_, tables_, options_.surfaces, sums_->needs_iq(),
+                     options_.labels || plan_.needs_materials());
       while (go_on(work)) {
       }
     } catch (const Stopped&) {

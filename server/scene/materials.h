@@ -14,6 +14,7 @@ struct Material {
   double rms_slope = 0.1;     ///< one-axis rms slope s
   double plate_tau = 1;       ///< flat plate: tau at normal incidence
   double plate_exponent = 0;  ///< flat plate: tau(theta) = plate_tau cos(theta)^plate_exponent
+  bool wind = false;          ///< moves in the wind, as woods do
   bool used = true;           ///< something in the scene is made of it
 };
 

@@ -18,6 +18,11 @@ constexpr std::array kPulseKinds{Choice{"off", "OFF_PULSE"}, Choice{"rectangular
 constexpr std::array kPulseWindows{Choice{"none", "NONE_WINDOW"}, Choice{"hamming", "HAMMING_WINDOW"},
                                    Choice{"hann", "HANN_WINDOW"}, Choice{"taylor", "TAYLOR_WINDOW"}};
 
+constexpr std::array kDopplerWindows{
+    Choice{"none", "NONE_DOPPLER_WINDOW"}, Choice{"hamming", "HAMMING_DOPPLER_WINDOW"},
+    Choice{"hann", "HANN_DOPPLER_WINDOW"}, Choice{"taylor", "TAYLOR_DOPPLER_WINDOW"},
+    Choice{"blackman_harris", "BLACKMAN_HARRIS_DOPPLER_WINDOW"}};
+
 using enum ModbusWords;
 using parameter_table::row;
 
@@ -81,6 +86,26 @@ const std::array kParameters{
     row<&RadarSettings::pulse, &PulseSettings::eclipse>(
         "pulse.eclipse", "", kAny, "pulse_eclipse", {279, u16},
         "Cut the echo of what is nearer than half a pulse: the antenna still transmits."),
+    row<&RadarSettings::pulse, &PulseSettings::prf_hz>(
+        "pulse.prf_hz", "Hz", closed(1, 1e6), "prf_hz", {339, i32, 1e2},
+        "Pulses a second, of the modes mti and dbs; a radial speed of wavelength x PRF / 2 is blind."),
+    row<&RadarSettings::doppler, &DopplerSettings::pulses>(
+        "doppler.pulses", "", closed(2, 1024), "doppler_pulses", {341, u16},
+        "Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows."),
+    row<&RadarSettings::doppler, &DopplerSettings::window>(
+        "doppler.window", "", kDopplerWindows, "doppler_window", {342, u16},
+        "Weights of these pulses: wider beams, lower sidelobes."),
+    row<&RadarSettings::doppler, &DopplerSettings::canceller>(
+        "doppler.canceller", "", closed(1, 3), "canceller", {343, u16},
+        "Delays of the moving target indicator (mti): more of them cancel more of the ground."),
+    row<&RadarSettings::doppler, &DopplerSettings::clutter_lock>(
+        "doppler.clutter_lock", "", kAny, "clutter_lock", {344, u16},
+        "The moving target indicator's notch follows the ground in the beam's middle: for a radar that "
+        "flies.",
+        {.knob = "clutter lock"}),
+    row<&RadarSettings::doppler, &DopplerSettings::resolution_m>(
+        "doppler.resolution_m", "m", closed(0.5, 100), "resolution_m", {345, i32, 1e3},
+        "Of an image of synthetic aperture (sar), across range; along range the pulse has it."),
 };
 
 }  // namespace

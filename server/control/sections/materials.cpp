@@ -36,6 +36,13 @@ Material diffuse(const char* name, double gamma_db) {
   return material;
 }
 
+/// What grows and moves in the wind.
+Material growing(const char* name, double gamma_db) {
+  Material material = diffuse(name, gamma_db);
+  material.wind = true;
+  return material;
+}
+
 /// Highly specular, as the paper has its buildings, over a floor of what towns return on average.
 Material building() {
   Material material;
@@ -60,6 +67,8 @@ constexpr std::array kRows{
                                                        "Flat plate: tau at normal incidence."),
     row<&MaterialKeys::material, &Material::plate_exponent>(
         "plate_exponent", closed(0, 1000), "Flat plate: tau falls as this power of cos(incidence)."),
+    row<&MaterialKeys::material, &Material::wind>(
+        "wind", kAny, "It moves in the wind (atmosphere.wind_m_s), as woods, shrubs and grass do."),
 };
 
 }  // namespace
@@ -69,9 +78,9 @@ std::span<const Row<MaterialKeys>> material_rows() { return kRows; }
 std::vector<Material> shipped_materials() {
   return {diffuse("terrain", kFarmland_db),   building(),
           diffuse("ground", kFarmland_db),    diffuse("water", kSeaState3_db),
-          diffuse("urban", kMetropolitan_db), diffuse("forest", kWoods_db),
-          diffuse("suburb", kSuburb_db),      diffuse("shrubs", kBushes_db),
-          diffuse("grass", kGrass_db),        diffuse("marsh", kMarsh_db),
+          diffuse("urban", kMetropolitan_db), growing("forest", kWoods_db),
+          diffuse("suburb", kSuburb_db),      growing("shrubs", kBushes_db),
+          growing("grass", kGrass_db),        growing("marsh", kMarsh_db),
           diffuse("barren", kDesert_db)};
 }
 

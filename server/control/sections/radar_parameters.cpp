@@ -18,6 +18,9 @@ constexpr std::array kSpeckleKinds{Choice{"ground", "GROUND_SPECKLE"},
 constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", "SECTOR_SCAN"},
                                 Choice{"circular", "CIRCULAR_SCAN"}};
 
+constexpr std::array kModes{Choice{"map", "MAP_MODE"}, Choice{"mti", "MTI_MODE"}, Choice{"dbs", "DBS_MODE"},
+                            Choice{"sar", "SAR_MODE"}};
+
 using enum ModbusWords;
 using parameter_table::row;
 
@@ -99,6 +102,11 @@ const std::array kParameters{
         {.knob = "tilt auto", .aim = true}),
     row<&RadarSettings::frequency_ghz>("radar.frequency_ghz", "GHz", closed(0.03, 300), "frequency_ghz",
                                        {232, wavelength}, "Carrier frequency."),
+    row<&RadarSettings::mode>("radar.mode", "", kModes, "mode", {338, u16},
+                              "What the pulses make: the map of mean echoes, moving targets alone (mti), a "
+                              "map sharpened by Doppler "
+                              "(dbs), or an image of synthetic aperture (sar).",
+                              {.knob = "mode"}),
     row<&RadarSettings::sector_deg>(
         "radar.sector_deg", "deg", above(0, 360), "sector_deg", {234, i32, 1e6},
         "Width of the sector in azimuth; the symmetric frustum needs less than 180.", {.knob = "sector"}),

@@ -80,6 +80,11 @@ const std::array kParameters{
     row<&RadarSettings::atmosphere, &AtmosphereSettings::polarisation>(
         "atmosphere.polarisation", "", kPolarisations, "polarisation", {},
         "Of the radar's wave, for the rain's attenuation."),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_m_s>(
+        "atmosphere.wind_m_s", "m/s", closed(0, 60), "wind_m_s", {347, i32, 1e3},
+        "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "
+        "through.",
+        {.knob = "wind"}),
 };
 
 }  // namespace

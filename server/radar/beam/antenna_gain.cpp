@@ -17,8 +17,8 @@ AntennaGain::AntennaGain(const RadarSettings& settings, const View& view, const 
     : tilt_rad_(view.tilt_rad),
       rise_(view.rise),
       peak_(std::pow(10.0, settings.gain_db / 10)),
-      has_widths_(widths != nullptr) {
-  if (settings.beam.elevation == ElevationPattern::off && !has_widths_) return;
+      keeps_elevation_(widths != nullptr || uses_doppler(settings)) {
+  if (settings.beam.elevation == ElevationPattern::off && !keeps_elevation_) return;
   const ElevationGain pattern(settings, view.tilt_rad);
   constexpr int kSteps = ElevationTable::kSteps;
   table_.from = std::clamp(view.least_sine, -1 / rise_, 1 / rise_);
@@ -32,7 +32,7 @@ AntennaGain::AntennaGain(const RadarSettings& settings, const View& view, const 
   for (int k = 0; k <= kSteps; ++k) {
     const double sine = std::min(1.0, rise_ * (table_.from + k / table_.per_sine));
     double gain = std::max(kLeastGain, pattern.power_gain(std::asin(sine)));
-    if (has_widths_)
+    if (widths != nullptr)
       gain *= std::sqrt(widths->at(std::max(steepest, std::sqrt(std::max(0.0, 1 - sine * sine)))));
     gains_.push_back(static_cast<float>(gain));
   }

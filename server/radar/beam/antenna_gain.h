@@ -35,8 +35,9 @@ class AntennaGain {
   /// Power gain on the boresight.
   double peak() const { return peak_; }
   bool has_pattern() const { return table_.gain != nullptr; }
-  /// Whether its bins are a beam's sharp ones, which need the elevation of what they hold.
-  bool has_widths() const { return has_widths_; }
+  /// Whether its bins are a beam's sharp ones or looked at by Doppler, which need the elevation of what they
+  /// hold.
+  bool keeps_elevation() const { return keeps_elevation_; }
   const ElevationTable& elevation() const { return table_; }
 
   /// Towards a point: its horizontal offset from the antenna and its slant range.
@@ -55,7 +56,7 @@ class AntennaGain {
   double tilt_rad_;
   double rise_;
   double peak_;
-  bool has_widths_;
+  bool keeps_elevation_;
   std::vector<float> gains_;
   ElevationTable table_;
 };

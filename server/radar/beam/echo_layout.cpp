@@ -1,5 +1,7 @@
 #include "server/radar/beam/echo_layout.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,6 +14,7 @@
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
+#include "server/radar/doppler/doppler_response.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
@@ -39,10 +42,13 @@ std::int64_t grown_bytes(std::int64_t elements, std::int64_t each) {
 
 /// I&Q, a look of the video and power in floats, count and state (SharpWedge).
 constexpr std::int64_t kSharpBytesABin = 20 + 5;
+constexpr std::int64_t kSineBytesABin = 4;
 /// BeamWidths: 400 steps come down to what a table of elevations can tell from straight below.
 constexpr std::int64_t kWidthsBytes = 512 * sizeof(double) + 128;
 /// An antenna so high sees all its ground steeply; one on the ground, none.
 const EchoPlace kHigh{std::numeric_limits<double>::infinity(), 0, {}};
+/// Of what flies in the air.
+constexpr double kFast_m_s = 1000;
 /// Any that leans, as any height does, sees all azimuths at any scan angle from there.
 const AntennaAxes kLeaning(1, 0, 0);
 
@@ -155,7 +161,9 @@ GroundLayout lay_out_ground(const EchoLayout& layout, const Halo& beam, const Ec
 
 EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, const EchoPlace& place) {
   EchoLayout layout;
-  layout.azimuth_parts = std::min(azimuth_sub_bins(s), kMostSubBins);
+  const double across_m_s = place.velocity.most_across_m_s(s.sector_deg * kPi / 180);
+  layout.wanted_parts = azimuth_sub_bins(s, across_m_s);
+  layout.azimuth_parts = std::min(layout.wanted_parts, kMostSubBins);
   layout.range_parts = std::min(range_sub_bins(s), kMostSubBins);
 
   const double range_bin_m = s.range_bin_m();
@@ -174,7 +182,11 @@ EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, c
   layout.azimuth_rad = s.azimuth_bin_rad() / layout.azimuth_parts;
   if (s.scan_mode != ScanMode::frame) layout.turn_rad = layout.azimuth_rad * layout.azimuth_parts;
   const Halo beam(s, layout, pattern);
-  if (s.beam.pattern != BeamPattern::off) {
+  if (s.mode == RadarMode::sar) {
+    const double cell_rad = s.doppler.resolution_m / layout.r_min_m;
+    layout.reach = counted(std::ceil(DopplerResponse::kSarCells * cell_rad / layout.azimuth_rad));
+  }
+  if (has_beam(s)) {
     const double cosine = least_cosine(place, layout.r_min_m);
     const int needed = beam.reach(std::max(kLeastCosineOfRays, cosine));
     layout.n_kernels = steepest_step(place, layout.r_min_m) + 1;
@@ -255,7 +267,8 @@ RadarSettings ground_frame(const RadarSettings& s, const EchoLayout& layout) {
 
 EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_materials) {
   const bool rolls = !s.beam.stabilised;
-  const EchoPlace place{kHigh.height_m, kHigh.least_r_min_m, rolls ? kLeaning : AntennaAxes()};
+  EchoPlace place{kHigh.height_m, kHigh.least_r_min_m, rolls ? kLeaning : AntennaAxes()};
+  place.velocity.right_m_s = kFast_m_s;
   const EchoLayout layout = lay_out_echo(s, AzimuthPattern(s), place);
   EchoSize size;
   size.sharp = ground_frame(s, layout);
@@ -279,6 +292,17 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
                     2 * kFloat * layout.stride() + 2 * grown_bytes(s.range_bins, 2 * kFloat) + size.n_tiles +
                     13 * (size.n_taps + kWedgeAzimuthBins * layout.azimuth_parts) + 4 * grown_bytes(0, 0);
 
+  if (uses_doppler(s)) {
+    // DopplerRows: Doppler, I&Q and powers of the rows in hand. DopplerPlan, polynomials of a canceller.
+    constexpr std::int64_t kRowFloats = 6;
+    size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 1)) *
+                       (kRowFloats * kFloat * layout.stride() + 200);
+    size.plan_bytes +=
+        4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
+        grown_bytes(layout.stride(), sizeof(double)) + grown_bytes(layout.stride(), kFloat) +
+        grown_bytes(DopplerResponse::kStepsACell * std::max(1024, s.doppler.pulses) / 2, kFloat);
+  }
+
   // An output wedge's, those of the next ones that are in hand, and lists of both.
   constexpr std::int64_t kWedge = kWedgeAzimuthBins;
   const std::int64_t rows = std::min(size.n_taps + kWedge * (layout.azimuth_parts + 2 * threads),
@@ -286,7 +310,8 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   const std::int64_t list =
       grown_bytes(rows / kWedge + 2, sizeof(int)) + std::int64_t{2 * sizeof(std::vector<int>)};
   const std::int64_t of_labels = label_materials == 0 ? 0 : LabelShare::bytes_a_bin(label_materials) + 1;
-  const std::int64_t row_bytes = layout.stride() * (kSharpBytesABin + of_labels) + size.n_tiles;
+  const std::int64_t of_doppler = uses_doppler(s) ? kSineBytesABin : 0;
+  const std::int64_t row_bytes = layout.stride() * (kSharpBytesABin + of_labels + of_doppler) + size.n_tiles;
   size.rows_bytes = rows * row_bytes + wedge_count(s.azimuth_bins) * list;
   size.sharp_bytes = layout.sharp_azimuths * row_bytes;
   if (rolls) {
@@ -299,7 +324,35 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   return size;
 }
 
-std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout& layout) {
+namespace {
+
+/// Too fast for its mode, or not flying at all.
+std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout& layout,
+                                        const EchoPlace& place) {
+  const std::string speed = fmt::format("{:.4g}", place.velocity.level_m_s()) + " m/s";
+  if (s.mode == RadarMode::sar && !(place.velocity.across_m_s(0) > 0))
+    return FieldError{"radar.mode",
+                      "\"sar\" of an antenna that does not fly across its line of sight (" + speed + ")",
+                      "poses with a velocity across the sector's middle, or another mode"};
+  if (!uses_doppler(s) || s.mode == RadarMode::sar || layout.wanted_parts <= kMostSubBins)
+    return std::nullopt;
+  const double share = static_cast<double>(layout.wanted_parts) / kMostSubBins;
+  std::string allowed = "bins.azimuth = " + std::to_string(counted(std::ceil(s.azimuth_bins * share)));
+  if (s.mode == RadarMode::dbs)
+    allowed += ", at most " + std::to_string(std::max(2, counted(s.doppler.pulses / share))) + " pulses";
+  return FieldError{
+      s.mode == RadarMode::dbs ? "doppler.pulses" : "pulse.prf_hz",
+      (s.mode == RadarMode::dbs ? std::to_string(s.doppler.pulses) + " pulses" : "a canceller") + " at " +
+          fmt::format("{:.6g}", s.pulse.prf_hz) + " Hz and " + speed +
+          " with bins.azimuth = " + std::to_string(s.azimuth_bins),
+      allowed + " or pulse.prf_hz = " + fmt::format("{:.6g}", std::ceil(s.pulse.prf_hz * share))};
+}
+
+}  // namespace
+
+std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout& layout,
+                                       const EchoPlace& place) {
+  if (auto fault = doppler_fault(s, layout, place)) return fault;
   if (!layout.closes)
     return FieldError{
         "bins.azimuth",
@@ -318,13 +371,15 @@ std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout&
 }
 
 std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& s, const AntennaAxes& axes) {
+  if (uses_doppler(s)) return std::nullopt;
   const AzimuthPattern pattern(s);
+  const auto fault_at = [&](const EchoPlace& place) {
+    return layout_fault(s, lay_out_echo(s, pattern, place), place);
+  };
   // The higher the antenna, the larger the sharp frame.
-  if (!layout_fault(s, lay_out_echo(s, pattern, {kHigh.height_m, kHigh.least_r_min_m, axes})))
-    return std::vector<FieldError>{};
+  if (!fault_at({kHigh.height_m, kHigh.least_r_min_m, axes})) return std::vector<FieldError>{};
   // On the ground, without bins nearer than its own.
-  if (const auto fault = layout_fault(s, lay_out_echo(s, pattern, {0, s.r_min_m, axes})))
-    return std::vector<FieldError>{*fault};
+  if (const auto fault = fault_at({0, s.r_min_m, axes})) return std::vector<FieldError>{*fault};
   return std::nullopt;
 }
 

@@ -8,18 +8,26 @@
 #include "server/radar/beam/antenna_axes.h"
 #include "server/radar/beam/patterns.h"
 #include "server/radar/bins.h"
+#include "server/radar/doppler/ground_doppler.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/rows.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {
 
+/// The beam weighs azimuths. An image of synthetic aperture sees its sector by all of the beam.
+inline bool has_beam(const RadarSettings& s) {
+  return s.beam.pattern != BeamPattern::off && s.mode != RadarMode::sar;
+}
+
 /// What a plan needs to know of the place.
 struct EchoPlace {
   double height_m = 0;        ///< how far the lowest ground lies below the antenna, or the highest above it
   double least_r_min_m = 0;   ///< what the frustum allows
   AntennaAxes axes = {};      ///< about the sector's centre
-  double above_ground_m = 0;  ///< of the antenna; of use where it leans
+  double above_ground_m = 0;  ///< of the antenna; of use where it leans, and to Doppler
+  SectorVelocity velocity = {};
+  std::vector<int> windy = {};  ///< materials that move in the wind, where that matters
 };
 
 /// The azimuths of ground that an antenna which is not stabilised looks at: its sharp azimuths are scan
@@ -36,6 +44,7 @@ struct EchoLayout {
   static constexpr int kTile = 16;
 
   int azimuth_parts = 1;  ///< sharp bins an output bin, each way
+  int wanted_parts = 1;   ///< those that Doppler would take, where more than can be made
   int range_parts = 1;
   double azimuth_rad = 0;  ///< width of a sharp azimuth
   double turn_rad = 0;     ///< how far the antenna turns while it looks along one output bin
@@ -92,10 +101,13 @@ struct EchoSize {
 /// label_materials: as wedge_bytes().
 EchoSize echo_size(const RadarSettings& settings, std::int64_t threads, int label_materials = 0);
 
-/// Why no sharp frame can be laid out so: its bins do not meet, or it has more pixels than can be numbered.
-std::optional<FieldError> layout_fault(const RadarSettings& settings, const EchoLayout& layout);
+/// Why no sharp frame can be laid out so: its bins do not meet, it has more pixels than can be numbered, or
+/// the Doppler of its place needs finer ones.
+std::optional<FieldError> layout_fault(const RadarSettings& settings, const EchoLayout& layout,
+                                       const EchoPlace& place);
 
-/// The same as far as the settings say so themselves; nothing: the antenna's height above the ground decides.
+/// The same as far as the settings say so themselves; nothing: the antenna's height above the ground decides,
+/// or its velocity.
 std::optional<std::vector<FieldError>> layout_faults(const RadarSettings& settings,
                                                      const AntennaAxes& axes = {});
 

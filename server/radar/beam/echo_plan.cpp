@@ -7,6 +7,7 @@
 
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
+#include "server/radar/doppler/canceller.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"
@@ -58,7 +59,18 @@ struct Planner {
     plan.wavelength_m = wavelength_at(s.frequency_ghz);
     const double gain = std::pow(10, s.gain_db / 10);
     plan.power_scale = s.power_w * gain * gain;
+    plan.output_rad = s.azimuth_bin_rad();
+    plan.start_rad = -s.azimuth_bins * plan.output_rad / 2;
     if (layout.ground.azimuths > 0) plan_ground();
+    if (uses_doppler(s)) plan_doppler();
+  }
+
+  void plan_doppler() {
+    const SharpRanges ranges{plan.sharp.r_min_m, sharp_range_m, layout.n_tiles() * EchoPlan::kTile};
+    const bool turns = s.scan_mode != ScanMode::frame;
+    const double turn_rad = turns ? s.scan_rate_deg_s * kDegree_rad / s.pulse.prf_hz : 0;
+    plan.doppler = std::make_shared<const DopplerPlan>(s, place.velocity, ranges, turn_rad,
+                                                       place.above_ground_m, place.windy);
   }
 
   void plan_ground() {
@@ -112,22 +124,43 @@ struct Planner {
     const auto all = static_cast<std::size_t>(layout.n_kernels) * static_cast<std::size_t>(kernels.length);
     fill(kernels.voltage, all, 0.0F);
     fill(kernels.power, all, 0.0F);
+    if (plan.doppler && plan.doppler->is_canceller() && !plan.doppler->is_of_rows())
+      fill(kernels.cancelled, 4 * all, 0.0F);
     for (int tile = 0; tile < layout.n_tiles(); ++tile) {
       const double from_m = plan.sharp.r_min_m + tile * EchoPlan::kTile * sharp_range_m;
       plan.steepest.push_back(
           static_cast<std::uint8_t>(std::min(layout.n_kernels - 1, steepest_step(place, from_m))));
     }
-    if (s.beam.pattern == BeamPattern::off) {
-      // The output bin's own sharp one.
+    if (!has_beam(s)) {
+      // The output bin's own sharp one; of a synthetic aperture all that its response reaches.
       kernels.unused.push_back(0);
-      kernels.voltage[static_cast<std::size_t>(kernels.pad)] = 1;
-      kernels.power[static_cast<std::size_t>(kernels.pad)] = 1;
+      const int n = s.mode == RadarMode::sar ? plan.n_taps : 1;
+      std::fill_n(kernels.voltage.begin() + kernels.pad, n, 1.0F);
+      std::fill_n(kernels.power.begin() + kernels.pad, n, 1.0F);
+      if (!kernels.cancelled.empty()) add_cancelled(0, 0, 1, 1, [](int, int) { return 1.0; });
       return;
     }
     const BeamOnGround beam(pattern, layout.turn_rad, layout.azimuth_rad);
     plan.widths = std::make_shared<const BeamWidths>(
         beam, std::max(kLeastCosine, least_cosine(place, plan.sharp.r_min_m)));
     for (int k = 0; k < layout.n_kernels; ++k) add_kernel(beam, k);
+  }
+
+  /// Of taps [first, end) of a set; gain: of a tap, so many pulses before.
+  template <typename Gain>
+  void add_cancelled(int step, int first, int end, double scale, const Gain& gain) {
+    const int delays = plan.doppler->delays();
+    scale /= std::sqrt(canceller_noise_gain(delays));
+    for (int tap = first; tap < end; ++tap) {
+      ask(kFunction * (delays + 1));
+      std::vector<double> gains;
+      for (int k = 0; k <= delays; ++k) gains.push_back(gain(tap, k));
+      const auto at = static_cast<std::size_t>(step) * static_cast<std::size_t>(plan.kernels.length) +
+                      static_cast<std::size_t>(plan.kernels.pad + tap);
+      const std::vector<double> in_u = canceller_in_u(gains);
+      for (std::size_t p = 0; p < in_u.size(); ++p)
+        plan.kernels.cancelled[4 * at + p] = static_cast<float>(in_u[p] * scale);
+    }
   }
 
   void add_kernel(const BeamOnGround& beam, int step) {
@@ -146,6 +179,11 @@ struct Planner {
     plan.kernels.unused.push_back(unused);
     if (!(squares > 0)) return;
     const double scale = 1 / std::sqrt(squares * width_rad);
+    if (!plan.kernels.cancelled.empty())
+      add_cancelled(step, unused, plan.n_taps - unused, scale, [&](int tap, int pulses_before) {
+        const double turned_rad = pulses_before * plan.doppler->turn_rad();
+        return beam.gain((plan.first_tap + tap - middle) * width_rad + turned_rad, cosine);
+      });
     auto at = static_cast<std::size_t>(step) * static_cast<std::size_t>(plan.kernels.length) +
               static_cast<std::size_t>(plan.kernels.pad + unused);
     for (const double gain : gains) {
@@ -160,7 +198,7 @@ struct Planner {
 std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace& place,
                                   std::vector<FieldError>& errors) {
   Planner planner(settings, place);
-  if (const auto fault = layout_fault(settings, planner.layout)) {
+  if (const auto fault = layout_fault(settings, planner.layout, place)) {
     errors.push_back(*fault);
     return std::nullopt;
   }

@@ -9,6 +9,7 @@
 #include "server/radar/beam/beam_on_ground.h"
 #include "server/radar/beam/echo_layout.h"
 #include "server/radar/bins.h"
+#include "server/radar/doppler/doppler_plan.h"
 #include "server/radar/settings.h"
 #include "terrain/base/errors.h"
 
@@ -23,6 +24,9 @@ struct AzimuthKernels {
   std::vector<float> voltage;  ///< [sets][length]
   std::vector<float> power;    ///< their squares
   std::vector<int> unused;     ///< [sets] taps on either side that are 0
+  /// [sets][length][4] of a canceller whose antenna turns, or whose notch follows the output: polynomials in
+  /// u (canceller_in_u). Else empty.
+  std::vector<float> cancelled;
 };
 
 /// Which rows neighbouring azimuths are made from: each of n_taps rows, azimuth_parts on from the one before.
@@ -82,13 +86,25 @@ struct EchoPlan : RowWindow {
   /// Gate m's phase with speckle "none": -4 pi r / lambda.
   double wavelength_m = 0;
 
+  /// Of modes other than map.
+  std::shared_ptr<const DopplerPlan> doppler;
+  double output_rad = 0;  ///< of an output azimuth
+  double start_rad = 0;   ///< left edge of the first output, from the sector's centre
+  /// Middles of outputs and of rows, from the sector's centre.
+  double output_middle_rad(int azimuth) const { return start_rad + (azimuth + 0.5) * output_rad; }
+  double row_middle_rad(int row) const {
+    return start_rad + (row - first_azimuth + 0.5) * output_rad / azimuth_parts;
+  }
+
   bool draws() const { return speckle == SpeckleKind::none || speckle == SpeckleKind::independent; }
   /// Settings of what is looked at.
   const RadarSettings& looks_at() const { return ground ? ground->frame : sharp; }
 };
 
 /// Whether the bins of these settings are made from sharp ones.
-inline bool needs_echo_plan(const RadarSettings& s) { return blurs(s) || draws_speckle(s); }
+inline bool needs_echo_plan(const RadarSettings& s) {
+  return blurs(s) || draws_speckle(s) || uses_doppler(s);
+}
 
 /// The range up to which a sharp wedge counts for some output bins, a few bins more for scatterers that lie
 /// across an edge; without end where all of it may.

@@ -35,6 +35,8 @@ EchoSums::EchoSums(const EchoPlan& plan) : plan_(plan), stride_(sharp_stride(pla
     ranges_[kind].assign(floats * (stride_ + kSpare), 0);
     ask(static_cast<std::int64_t>(kLanesOut * floats * stride_ / 2));
   }
+  if (plan.doppler) doppler_.emplace(plan);
+  zero_rows_.assign(n_rows, zeros_.data());
   const RadarSettings& s = plan.sharp;
   const double sharp_m = s.range_bin_m();
   for (int m = 0; m < plan.n_range && (plan.speckle == SpeckleKind::none || plan.range_normalisation); ++m) {
@@ -50,26 +52,38 @@ EchoSums::EchoSums(const EchoPlan& plan) : plan_(plan), stride_(sharp_stride(pla
 void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t draw, bool iq, bool look,
                    BinBlock& bins) {
   const int first_row = plan_.first_row(bins.first_azimuth);
-  const bool coherent = iq && !plan_.draws();
   const bool independent = plan_.speckle == SpeckleKind::independent;
   const bool drawn = (iq || look) && independent;
+  // A draw is of the bins, or of the rows that Doppler tells apart.
+  const bool coherent = (iq && !plan_.draws()) || (drawn && doppler_);
   if (look) bins.look.resize(bins.iq.size());
   Rows iq_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)), zeros_.data());
   Rows power_rows = iq_rows;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
     power_rows[k] = rows[k]->power_row(azimuth);
-    if (coherent) iq_rows[k] = rows[k]->iq_row(azimuth);
+    if (coherent && !doppler_) iq_rows[k] = rows[k]->iq_row(azimuth);
   }
   take_kernels(rows, first_row);
+  if (doppler_) {
+    take_doppler(rows, first_row,
+                 drawn      ? DopplerRows::Voltages::drawn
+                 : coherent ? DopplerRows::Voltages::own
+                            : DopplerRows::Voltages::none,
+                 draw);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      power_rows[k] = doppler_->power(k);
+      if (coherent) iq_rows[k] = doppler_->iq(k);
+    }
+  }
   if (coherent) {
-    sum_azimuths({{kPower, &power_rows}, {kIq, &iq_rows}}, bins.n_azimuth);
+    sum_azimuths({{kPower, &power_rows}, {kIq, &iq_rows}}, bins);
   } else {
-    sum_azimuths({{kPower, &power_rows}}, bins.n_azimuth);
+    sum_azimuths({{kPower, &power_rows}}, bins);
   }
   for (int o = 0; o < bins.n_azimuth; ++o) {
     const auto lane = static_cast<std::size_t>(o);
-    if (drawn) draw_row(draw, bins.first_azimuth + o, lane);
+    if (drawn && !doppler_) draw_row(draw, bins.first_azimuth + o, lane);
     sum_ranges(kPower, lane);
     if (coherent || drawn) sum_ranges(kIq, lane);
     const std::size_t row = lane * static_cast<std::size_t>(plan_.n_range);
@@ -87,7 +101,11 @@ void EchoSums::sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& b
   Rows look_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)), zeros_.data());
   for (std::size_t k = 0; k < rows.size(); ++k)
     look_rows[k] = rows[k]->look_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)));
-  sum_azimuths({{kIq, &look_rows}}, bins.n_azimuth);
+  if (doppler_) {
+    take_doppler(rows, first_row, DopplerRows::Voltages::look, 0);
+    for (std::size_t k = 0; k < rows.size(); ++k) look_rows[k] = doppler_->iq(k);
+  }
+  sum_azimuths({{kIq, &look_rows}}, bins);
   for (int o = 0; o < bins.n_azimuth; ++o) {
     const auto lane = static_cast<std::size_t>(o);
     sum_ranges(kIq, lane);
@@ -105,8 +123,8 @@ void EchoSums::sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& 
     std::ranges::fill(power_rows, zeros_.data());
     for (std::size_t k = 0; k < rows.size(); ++k)
       if (const float* row = rows[k]->label_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)), kind))
-        power_rows[k] = row;
-    sum_azimuths({{kPower, &power_rows}}, bins.n_azimuth);
+        power_rows[k] = doppler_ ? doppler_->filtered(k, row) : row;
+    sum_azimuths({{kPower, &power_rows}}, bins);
     float* share = label_share(bins, kind).data();
     for (int o = 0; o < bins.n_azimuth; ++o, share += plan_.n_range) {
       sum_ranges(kPower, static_cast<std::size_t>(o));
@@ -123,45 +141,111 @@ void EchoSums::take_kernels(const std::vector<const SharpWedge*>& rows, int firs
     row_kernels_[k] = rows[k]->kernels_of(plan_.sharp_azimuth(first_row + static_cast<int>(k)));
 }
 
+void EchoSums::take_doppler(const std::vector<const SharpWedge*>& rows, int first_row,
+                            DopplerRows::Voltages voltages, std::uint64_t draw) {
+  doppler_->take(rows, first_row, voltages,
+                 mix64(draw ^ static_cast<std::uint64_t>(plan_.sharp.speckle_seed)));
+}
+
 /// Of neighbouring output bins, into rows_. Tile by tile: what a tile reads of the rows stays in the nearest
 /// cache for the next outputs.
-void EchoSums::sum_azimuths(std::initializer_list<Kind> kinds, int n_azimuth) {
-  const AzimuthKernels& kernels = plan_.kernels;
-  const int step = plan_.azimuth_parts;
-  for (std::size_t tile = 0; tile < plan_.steepest.size(); ++tile) {
+void EchoSums::sum_azimuths(std::initializer_list<Kind> kinds, const BinBlock& bins) {
+  const auto place_rows = [&](std::size_t tile) {
     for (std::size_t row = 0; row < taps_at_.size(); ++row)
-      taps_at_[row] = kernel_of(row, tile) * kernels.length + kernels.pad + static_cast<std::int32_t>(row);
+      taps_at_[row] =
+          kernel_of(row, tile) * plan_.kernels.length + plan_.kernels.pad + static_cast<std::int32_t>(row);
     ask(static_cast<std::int64_t>(taps_at_.size()));
-    const auto unused = [&](int row) {
-      return kernels.unused[static_cast<std::size_t>(kernel_of(static_cast<std::size_t>(row), tile))];
-    };
-    for (int output = 0; output < n_azimuth; output += kOutputs) {
-      // Without the rows on either side that have no weight for any of the outputs.
-      const int begin = output * step;
-      const int end = (output + kOutputs - 1) * step + plan_.n_taps;
-      int first = begin;
-      int last = end - 1;
-      while (first < last && first - begin < unused(first)) ++first;
-      while (first < last && end - 1 - last < unused(last)) --last;
-      for (const auto& [kind, rows] : kinds) {
-        const int floats = kind == kIq ? 2 : 1;
-        AzimuthSum sum{rows->data() + first,
-                       last - first + 1,
-                       step,
-                       (kind == kIq ? kernels.voltage : kernels.power).data(),
-                       taps_at_.data() + first,
-                       begin,
-                       floats * static_cast<int>(tile) * EchoPlan::kTile,
-                       floats * EchoPlan::kTile,
-                       {}};
-        for (int o = 0; o < kOutputs; ++o)
-          sum.out[o] = rows_[kind][static_cast<std::size_t>(output + o)].data() +
-                       static_cast<std::size_t>(floats) * pad_;
-        active_kernels().azimuth_sum(sum);
-        ask(sum.n_rows * kOutputs * sum.n / kProducts);
-      }
+  };
+  const std::size_t tiles = plan_.steepest.size();
+  if (!doppler_ || plan_.doppler->is_of_rows()) {
+    for (std::size_t tile = 0; tile < tiles; ++tile) {
+      place_rows(tile);
+      sum_shared(kinds, tile, bins.n_azimuth);
+    }
+    return;
+  }
+  for (int output = 0; output < bins.n_azimuth; ++output) {
+    doppler_->place_output(bins.first_azimuth + output);
+    for (std::size_t tile = 0; tile < tiles; ++tile) {
+      place_rows(tile);
+      sum_doppler(kinds, tile, output);
     }
   }
+}
+
+/// Rows that weigh for any of some outputs: without those on either side that have no weight.
+EchoSums::RowSpan EchoSums::weighing(std::size_t tile, int output, int n_outputs) const {
+  const auto unused = [&](int row) {
+    return plan_.kernels.unused[static_cast<std::size_t>(kernel_of(static_cast<std::size_t>(row), tile))];
+  };
+  const int begin = output * plan_.azimuth_parts;
+  const int end = (output + n_outputs - 1) * plan_.azimuth_parts + plan_.n_taps;
+  int first = begin;
+  int last = end - 1;
+  while (first < last && first - begin < unused(first)) ++first;
+  while (first < last && end - 1 - last < unused(last)) --last;
+  return {begin, first, last - first + 1};
+}
+
+/// All outputs have the same weights of rows, each from its own on.
+void EchoSums::sum_shared(std::initializer_list<Kind> kinds, std::size_t tile, int n_azimuth) {
+  const AzimuthKernels& kernels = plan_.kernels;
+  for (int output = 0; output < n_azimuth; output += kOutputs) {
+    const RowSpan span = weighing(tile, output, kOutputs);
+    for (const auto& [kind, rows] : kinds) {
+      const int floats = kind == kIq ? 2 : 1;
+      AzimuthSum sum{rows->data() + span.first,
+                     span.n,
+                     plan_.azimuth_parts,
+                     (kind == kIq ? kernels.voltage : kernels.power).data(),
+                     taps_at_.data() + span.first,
+                     span.begin,
+                     floats * static_cast<int>(tile) * EchoPlan::kTile,
+                     floats * EchoPlan::kTile,
+                     {}};
+      for (int o = 0; o < kOutputs; ++o) sum.out[o] = out_row(kind, output + o);
+      active_kernels().azimuth_sum(sum);
+      ask(sum.n_rows * kOutputs * sum.n / kProducts);
+    }
+  }
+}
+
+/// Each bin of each row has a weight of its own.
+void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, int output) {
+  constexpr int kWeights = 16;  // work of one, in products
+  const RowSpan span = weighing(tile, output, 1);
+  const auto first = static_cast<std::size_t>(span.first);
+  WeighedRows rows{zero_rows_.data(),
+                   nullptr,
+                   span.n,
+                   taps_at_.data() + first,
+                   span.begin,
+                   static_cast<int>(tile) * EchoPlan::kTile,
+                   EchoPlan::kTile,
+                   out_row(kPower, output),
+                   out_row(kIq, output)};
+  for (const auto& [kind, of_kind] : kinds) (kind == kIq ? rows.iq : rows.power) = of_kind->data() + first;
+  ask(std::int64_t{span.n} * EchoPlan::kTile * kWeights / kProducts);
+  const DopplerPlan& doppler = *plan_.doppler;
+  if (doppler.is_canceller()) {
+    const float* const* const moving = doppler_->moving();
+    active_kernels().cancelled_sum(
+        {rows, plan_.kernels.cancelled.data(), doppler_->firsts() + first, doppler_->seconds() + first,
+         doppler.has_lock() ? doppler_->output_first() : nullptr, doppler_->output_second(), doppler.delays(),
+         moving == nullptr ? nullptr : moving + first, plan_.kernels.power.data(),
+         doppler_->moving_echoes()});
+    return;
+  }
+  const DopplerResponse& response = doppler.response();
+  const int period = response.period_cells();
+  active_kernels().sharpened_sum(
+      {rows, plan_.kernels.voltage.data(), doppler_->firsts() + first, doppler_->output_first(),
+       response.table().data(), static_cast<float>(DopplerResponse::kStepsACell),
+       static_cast<float>(response.table().size() - 2), static_cast<float>(period), period % 2 == 0});
+}
+
+float* EchoSums::out_row(int kind, int output) {
+  return rows_[kind][static_cast<std::size_t>(output)].data() + (kind == kIq ? 2 : 1) * pad_;
 }
 
 /// Sharp bins of an output azimuth, each a draw of its own about its mean power.

@@ -1,8 +1,10 @@
 #pragma once
 #include <algorithm>
 #include <initializer_list>
+#include <optional>
 #include <vector>
 
+#include "server/radar/beam/doppler_rows.h"
 #include "server/radar/beam/sharp_wedge.h"
 
 namespace obliq {
@@ -32,7 +34,17 @@ class EchoSums {
     const Rows* rows;
   };
   void take_kernels(const std::vector<const SharpWedge*>& rows, int first_row);
-  void sum_azimuths(std::initializer_list<Kind> kinds, int n_azimuth);
+  void sum_azimuths(std::initializer_list<Kind> kinds, const BinBlock& bins);
+  void sum_shared(std::initializer_list<Kind> kinds, std::size_t tile, int n_azimuth);
+  void sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, int output);
+  void take_doppler(const std::vector<const SharpWedge*>& rows, int first_row, DopplerRows::Voltages voltages,
+                    std::uint64_t draw);
+  /// Of the rows in hand: `begin` is the first output's first, n from `first` on weigh.
+  struct RowSpan {
+    int begin, first, n;
+  };
+  RowSpan weighing(std::size_t tile, int output, int n_outputs) const;
+  float* out_row(int kind, int output);
   int kernel_of(std::size_t row, std::size_t tile) const {
     return std::min(row_kernels_[row][tile], plan_.steepest[tile]);
   }
@@ -48,6 +60,7 @@ class EchoSums {
   std::size_t stride_;
   std::size_t pad_;                               // bins before a row, zeros
   std::vector<float> zeros_;                      // a row without ground
+  Rows zero_rows_;                                // of those
   std::vector<std::uint8_t> level_;               // [tiles] its kernels
   std::vector<const std::uint8_t*> row_kernels_;  // of the rows in hand, [tiles] each
   std::vector<std::int32_t> taps_at_;             // of their weights in one tile
@@ -55,6 +68,7 @@ class EchoSums {
   std::vector<float> ranges_[2];                  // a row, summed over ranges
   std::vector<std::complex<float>> phase_;        // [n_range] with speckle "none"
   std::vector<double> range2_m2_;                 // [n_range] of range normalisation; else empty
+  std::optional<DopplerRows> doppler_;            // of modes other than map
 };
 
 }  // namespace obliq

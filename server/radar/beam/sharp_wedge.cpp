@@ -39,6 +39,7 @@ SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& 
     see(*plan.ground, bins);
   } else {
     choose_kernels(bins);
+    if (plan.doppler) take_sines(bins);
   }
   if (planes.labels) take_labels(bins);
   if (planes.look && !plan.ground) draw_look(plan, look_key);
@@ -53,6 +54,7 @@ SharpWedge::SharpWedge(const EchoPlan& plan, AzimuthRange azimuths, const SharpP
   fill(power, static_cast<std::size_t>(n_azimuth) * stride, 0);
   if (planes.iq) fill(iq, 2 * power.size(), 0);
   fill(kernels, power.size() / EchoPlan::kTile, 0);
+  if (plan.doppler) fill(mean_sine, power.size(), 0);
   fill(count, bins, 0);
   fill(state, bins, 0);
   if (planes.labels) fill(returns, bins, 0);
@@ -129,6 +131,14 @@ void SharpWedge::choose_kernels(const BinBlock& bins) {
   }
 }
 
+void SharpWedge::take_sines(const BinBlock& bins) {
+  fill(mean_sine, power.size(), 0);
+  if (bins.sin_elevation.empty()) return;
+  const auto n = static_cast<std::size_t>(n_range);
+  for (std::size_t a = 0; a < static_cast<std::size_t>(n_azimuth); ++a)
+    std::copy_n(bins.sin_elevation.data() + a * n, n, mean_sine.data() + a * stride);
+}
+
 void SharpWedge::take_labels(BinBlock& bins) {
   returns = std::move(bins.labels.returns);
   if (returns.empty()) fill(returns, state.size(), 0);  // of a halo, where nobody asks
@@ -158,7 +168,8 @@ void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
 
 std::size_t SharpWedge::bytes() const {
   return (iq.size() + look.size() + power.size()) * sizeof(float) + count.size() * sizeof(std::uint32_t) +
-         state.size() + kernels.size() + returns.size() + (seen_at.size() + own_sine.size()) * sizeof(float) +
+         state.size() + mean_sine.size() * sizeof(float) + kernels.size() + returns.size() +
+         (seen_at.size() + own_sine.size()) * sizeof(float) +
          label_powers.size() * power.size() * sizeof(float);
 }
 

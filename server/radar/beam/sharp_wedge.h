@@ -34,6 +34,9 @@ struct SharpWedge {
   /// [n_azimuth][tiles] the azimuth weights (AzimuthKernels) of a row in a tile: those of the mean sine of
   /// elevation of what it sees there, weighed by power; 0 without a beam, or where it sees nothing.
   std::vector<std::uint8_t> kernels;
+  /// Rows as `power` has them: mean sines of elevation by power, about the antenna's own vertical; empty:
+  /// nothing looks at Doppler.
+  std::vector<float> mean_sine;
   std::vector<std::uint32_t> count;
   std::vector<std::uint8_t> state;
   std::vector<LabelShare> label_powers;  ///< rows as `power` has them: shares of it. Empty: not wanted
@@ -51,6 +54,7 @@ struct SharpWedge {
 
   const float* power_row(int azimuth) const { return power.data() + row_at(azimuth); }
   const float* iq_row(int azimuth) const { return iq.data() + 2 * row_at(azimuth); }
+  const float* sine_row(int azimuth) const { return mean_sine.data() + row_at(azimuth); }
   const std::uint8_t* kernels_of(int azimuth) const {
     return kernels.data() + row_at(azimuth) / EchoPlan::kTile;
   }
@@ -70,6 +74,7 @@ struct SharpWedge {
 
  private:
   void choose_kernels(const BinBlock& bins);
+  void take_sines(const BinBlock& bins);
   void take_labels(BinBlock& bins);
   void see(const GroundAzimuths& ground, const BinBlock& bins);
 };

@@ -9,6 +9,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+/// The mean of n unit phasors, u turns apart in all, about their middle: sin(pi u) / (n sin(pi u / n)).
+double dirichlet(double u, int n) {
+  const double below = std::sin(kPi * u / n);
+  if (std::abs(below) < 1e-9) return std::cos(kPi * u) / std::cos(kPi * u / n);
+  return std::sin(kPi * u) / (n * below);
+}
+
 }  // namespace
 
 double sinc(double u) {
@@ -34,6 +41,11 @@ Taper::Taper(std::vector<double> series, bool half_cosine)
 }
 
 Taper Taper::half_cosine() { return Taper({}, true); }
+
+Taper Taper::blackman_harris() {
+  constexpr double kMean = 0.35875;
+  return Taper({0.48829 / (2 * kMean), 0.14128 / (2 * kMean), 0.01168 / (2 * kMean)});
+}
 
 Taper Taper::taylor(int nbar, double sidelobe_db) {
   // Carrara, Goodman, Majewski 1995, appendix D.2.
@@ -68,6 +80,37 @@ double Taper::noise_width() const {
   double sum = 1;
   for (const double f : series_) sum += 2 * f * f;
   return sum;
+}
+
+double Taper::weight(double x) const {
+  if (half_cosine_) return std::cos(kPi * x);
+  double sum = 1;
+  for (std::size_t m = 1; m <= series_.size(); ++m)
+    sum += 2 * series_[m - 1] * std::cos(2 * kPi * static_cast<double>(m) * x);
+  return sum;
+}
+
+double Taper::sampled(double u, int n) const {
+  const auto sum = [&](double at) {
+    if (half_cosine_) return dirichlet(at - 0.5, n) + dirichlet(at + 0.5, n);
+    double total = dirichlet(at, n);
+    for (std::size_t m = 1; m <= series_.size(); ++m)
+      total += series_[m - 1] *
+               (dirichlet(at - static_cast<double>(m), n) + dirichlet(at + static_cast<double>(m), n));
+    return total;
+  };
+  return sum(u) / sum(0);
+}
+
+double Taper::sampled_noise_width(int n) const {
+  double weights = 0;
+  double squares = 0;
+  for (int k = 0; k < n; ++k) {
+    const double w = weight((k + 0.5) / n - 0.5);
+    weights += w;
+    squares += w * w;
+  }
+  return n * squares / (weights * weights);
 }
 
 }  // namespace obliq

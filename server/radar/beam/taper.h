@@ -13,6 +13,8 @@ class Taper {
   /// 0.54 + 0.46 cos and 0.5 + 0.5 cos (Harris 1978).
   static Taper hamming() { return Taper({0.46 / (2 * 0.54)}); }
   static Taper hann() { return Taper({0.5}); }
+  /// The minimum of four terms, -92 dB (Harris 1978).
+  static Taper blackman_harris();
   /// Taylor 1955, as scipy.signal.windows.taylor: `nbar` nearly constant sidelobes `sidelobe_db` below the
   /// peak.
   static Taper taylor(int nbar, double sidelobe_db);
@@ -25,8 +27,14 @@ class Taper {
   /// transform.
   double noise_width() const;
 
+  /// The transform of n weights, W at the middles of n parts: sinc(u) becomes sin(pi u) / (n sin(pi u / n)).
+  double sampled(double u, int n) const;
+  /// n sum W^2 / (sum W)^2 of those.
+  double sampled_noise_width(int n) const;
+
  private:
   explicit Taper(std::vector<double> series, bool half_cosine = false);
+  double weight(double x) const;
 
   std::vector<double> series_;
   bool half_cosine_;

@@ -67,6 +67,8 @@ class Turning {
     const std::size_t to = static_cast<std::size_t>(place) * stride_ + r;
     const float power_w = share * ground.power[at];
     wedge_->power[to] += power_w;
+    if (!wedge_->mean_sine.empty() && wedge_->power[to] > 0)
+      wedge_->mean_sine[to] += (ground.own_sine[at] - wedge_->mean_sine[to]) * (power_w / wedge_->power[to]);
     tile_power_[to / kTile] += static_cast<double>(power_w);
     tile_sine_[to / kTile] += static_cast<double>(power_w) * static_cast<double>(ground.own_sine[at]);
     if (!wedge_->iq.empty()) {

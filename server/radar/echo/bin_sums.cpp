@@ -12,7 +12,7 @@ BinSums::BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltag
     : plan_(plan),
       speckle_(speckle),
       voltages_(voltages),
-      sines_(plan.antenna_gain().has_widths()),
+      sines_(plan.antenna_gain().keeps_elevation()),
       labels_(labels) {}
 
 void BinSums::restart(int first_azimuth) {

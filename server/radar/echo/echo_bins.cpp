@@ -78,7 +78,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     const double dx = samples.x_m[k] - at_m.x;
     const double dz = samples.z_m[k] - at_m.z;
     double sine = samples.sin_elevation[k];
-    if (antenna.has_widths()) {
+    if (antenna.keeps_elevation()) {
       // That of the surface's middle: of a beam's width, which is 1 / cos(e), it has the mean straight below
       // as well.
       const double height_m = r * sine;

@@ -28,7 +28,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
   table_.range_normalisation = normalises_samples(plan.settings());
   table_.elevation = plan.antenna_gain().elevation();
-  table_.sines = plan.antenna_gain().has_widths();
+  table_.sines = plan.antenna_gain().keeps_elevation();
   const glm::dvec3& antenna = plan.sector().antenna_m;
   where_ = {};
   where_.antenna_x_m = antenna.x;

@@ -5,6 +5,7 @@
 
 #include "server/radar/beam/antenna_gain.h"
 #include "server/radar/beam/point_response.h"
+#include "server/radar/doppler/doppler_response.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/units.h"
 
@@ -51,7 +52,8 @@ double noise_power_w(double temperature_k, const NoiseBand& band) {
 double noise_power_w(const RadarSettings& settings) {
   const ReceiverSettings& receiver = settings.receiver;
   if (!receiver.noise) return 0;
-  return noise_power_w(system_temperature_k(receiver.noise_figure_db, receiver.antenna_temperature_k),
+  return doppler_noise_factor(settings) *
+         noise_power_w(system_temperature_k(receiver.noise_figure_db, receiver.antenna_temperature_k),
                        noise_band(settings));
 }
 

@@ -5,6 +5,7 @@
 #include "server/radar/simd/bin_samples.h"
 #include "server/radar/simd/circles.h"
 #include "server/radar/simd/cut_at_bins.h"
+#include "server/radar/simd/doppler_sums.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
 #include "server/radar/simd/ground_plates.h"
@@ -37,6 +38,11 @@ namespace obliq {
   K(azimuth_sum)          \
   K(range_sum)            \
   K(draw_speckle)         \
+  K(doppler_cells)        \
+  K(doppler_phasors)      \
+  K(cancel_row)           \
+  K(cancelled_sum)        \
+  K(sharpened_sum)        \
   K(white_noise)          \
   K(filter_row)           \
   K(video_levels)         \

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/targets/aspect_table.h"
 #include "server/radar/targets/seen_share.h"
@@ -12,7 +13,6 @@
 #include "terrain/base/asking.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/units.h"
-#include "terrain/tangent_step.h"
 
 namespace obliq {
 namespace {
@@ -41,6 +41,7 @@ std::complex<double> phasor(double modulus, double turns) {
 TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets,
                            AzimuthRange azimuths, const TargetLook& look)
     : plan_(plan),
+      doppler_(plan.sum() == nullptr ? nullptr : plan.sum()->doppler.get()),
       azimuths_(azimuths),
       at_(look.at),
       draw_{static_cast<std::uint64_t>(targets.seed), look.frame, look.dwell},
@@ -91,8 +92,9 @@ void TargetEchoes::see(const Target& target) {
   if (!(share > 0)) return;
 
   const double rcs_m2 = cross_section(target, *place);
+  const double closing = doppler_ == nullptr ? 0 : closing_m_s(target, *age_s, *place);
   for (const Scatterer& scatterer : scatterers(target, *place))
-    add_scatterer(target.id, scatterer, share * scatterer.part * rcs_m2);
+    add_scatterer(target.id, scatterer, share * scatterer.part * rcs_m2, closing);
 }
 
 std::vector<TargetEchoes::Scatterer> TargetEchoes::scatterers(const Target& target,
@@ -143,13 +145,7 @@ double TargetEchoes::closing_m_s(const Target& target, double age_s, const Targe
   const glm::dvec3 way_m = place.foot_m - antenna_m;
   const double range_m = glm::length(way_m);
   if (!later || !(range_m > 0)) return 0;
-  const PoseSettings& pose = plan_.pose().settings;
-  const glm::dvec3 flown_m =
-      kMoment_s * glm::dvec3(pose.velocity_east_m_s.value_or(0), pose.velocity_up_m_s.value_or(0),
-                             pose.velocity_north_m_s.value_or(0));
-  const Geodetic from = world.frame.geodetic_from_world({antenna_m});
-  const glm::dvec3 by_antenna_m =
-      world.frame.world_from_geodetic(moved(from, flown_m)).m - world.frame.world_from_geodetic(from).m;
+  const glm::dvec3 by_antenna_m = kMoment_s * antenna_velocity_m_s(world, plan_.pose());
   return -glm::dot(later->foot_m - place.foot_m - by_antenna_m, way_m) / range_m / kMoment_s;
 }
 
@@ -204,6 +200,10 @@ TargetEcho TargetEchoes::look_at(const glm::dvec3& at_m) const {
   const double turns = (azimuth_rad - bins.azimuth_start_rad) / kTurn_rad;
   const double fraction = turns - std::floor(turns);  // may be rounded to 1, which is the seam
   echo.position = fraction < 1 ? fraction * circle_bins_ : 0;
+  if (settings_.mode == RadarMode::sar) {
+    echo.extent_bins = circle_bins_;
+    return echo;
+  }
   echo.extent_bins = settings_.beam.pattern == BeamPattern::off
                          ? 1
                          : beam_.extent_rad(echo.cos_elevation) / bins.azimuth_width_rad;
@@ -242,9 +242,11 @@ double TargetEchoes::power_w(const glm::dvec3& at_m, double range_m, double rcs_
   return left * radar_equation(constant_, antenna, rcs_m2, r2 * r2);
 }
 
-void TargetEchoes::add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2) {
+void TargetEchoes::add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2,
+                                 double closing_m_s) {
   TargetEcho echo = look_at(scatterer.at_m);
   echo.id = id;
+  echo.doppler_hz = 2 * closing_m_s / wavelength_m_;
   echo.power_w = power_w(scatterer.at_m, echo.range_m, rcs_m2);
   const double round_trips = 2 * echo.range_m / wavelength_m_;
   echo.voltage = scatterer.drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
@@ -262,11 +264,24 @@ bool TargetEchoes::reaches(const TargetEcho& echo, AzimuthRange azimuths, double
   return std::abs(bins_away(echo, middle)) <= echo.extent_bins + azimuths.count + aside_bins;
 }
 
-double TargetEchoes::azimuth_weight(const TargetEcho& echo, int azimuth) const {
+double TargetEchoes::azimuth_gain(const TargetEcho& echo, int azimuth, int pulses_before) const {
+  // Of an image of synthetic aperture the beam sees all.
+  if (settings_.mode == RadarMode::sar) return 1;
   if (settings_.beam.pattern == BeamPattern::off) return static_cast<int>(echo.position) == azimuth ? 1 : 0;
   const double away = bins_away(echo, azimuth + 0.5);
   if (std::abs(away) > echo.extent_bins) return 0;
-  return beam_.gain(away * plan_.bins().azimuth_width_rad, echo.cos_elevation);
+  const double turned_rad = pulses_before == 0 ? 0 : pulses_before * doppler_->turn_rad();
+  return beam_.gain(away * plan_.bins().azimuth_width_rad - turned_rad, echo.cos_elevation);
+}
+
+std::complex<double> TargetEchoes::azimuth_weight(const TargetEcho& echo, int azimuth) const {
+  const double gain = azimuth_gain(echo, azimuth);
+  if (doppler_ == nullptr || std::abs(gain) <= kLeastGain) return gain;
+  std::vector<double> gains{gain};
+  if (doppler_->is_canceller())
+    for (int k = 1; k <= doppler_->delays(); ++k) gains.push_back(azimuth_gain(echo, azimuth, k));
+  return doppler_->weight(echo.doppler_hz, echo.range_m, sincos(plan_.sum()->output_middle_rad(azimuth)),
+                          gains);
 }
 
 /// Nothing where it is beside the swath.
@@ -289,7 +304,7 @@ void TargetEchoes::each_row(const TargetEcho& echo, const BinBlock& bins, const 
   if (!reaches(echo, {bins.first_azimuth, bins.n_azimuth})) return;
   ask(kGainWork * bins.n_azimuth);
   for (int a = 0; a < bins.n_azimuth; ++a) {
-    const double gain = azimuth_weight(echo, bins.first_azimuth + a);
+    const std::complex<double> gain = azimuth_weight(echo, bins.first_azimuth + a);
     if (std::abs(gain) > kLeastGain)
       call(gain, static_cast<std::size_t>(a) * static_cast<std::size_t>(bins.n_range));
   }
@@ -298,18 +313,19 @@ void TargetEchoes::each_row(const TargetEcho& echo, const BinBlock& bins, const 
 void TargetEchoes::add(BinBlock& bins, bool iq) const {
   ask(kEchoWork * static_cast<std::int64_t>(echoes_.size()));
   for (const TargetEcho& echo : echoes_)
-    each_row(echo, bins, [&](double gain, std::size_t row) { add_to_row(echo, gain, row, bins, iq); });
+    each_row(echo, bins,
+             [&](std::complex<double> gain, std::size_t row) { add_to_row(echo, gain, row, bins, iq); });
 }
 
 void TargetEchoes::name(BinBlock& bins) const {
   std::vector<double> greatest_w(bins.target.size());
   for (const TargetEcho& echo : echoes_)
-    each_row(echo, bins, [&](double gain, std::size_t row) {
+    each_row(echo, bins, [&](std::complex<double> gain, std::size_t row) {
       ask(kBinWork * static_cast<std::int64_t>(echo.responses.size()));
       for (std::size_t k = 0; k < echo.responses.size(); ++k) {
         const std::size_t bin = row + static_cast<std::size_t>(echo.first_range) + k;
         const auto response = static_cast<double>(echo.responses[k]);
-        const double power_w = echo.power_w * (gain * gain) * (response * response);
+        const double power_w = echo.power_w * std::norm(gain) * (response * response);
         if (!(power_w > greatest_w[bin])) continue;
         greatest_w[bin] = power_w;
         bins.target[bin] = static_cast<std::uint32_t>(echo.id);
@@ -324,11 +340,12 @@ void add_targets(const TargetEchoes* targets, BinBlock& bins, bool iq, bool ids)
   if (ids) targets->name(bins);
 }
 
-void TargetEchoes::add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq) {
+void TargetEchoes::add_to_row(const TargetEcho& echo, std::complex<double> gain, std::size_t row,
+                              BinBlock& bins, bool iq) {
   const std::size_t n = echo.responses.size();
   ask(kBinWork * static_cast<std::int64_t>(n));
   const std::size_t first = row + static_cast<std::size_t>(echo.first_range);
-  const double power_w = echo.power_w * (gain * gain);
+  const double power_w = echo.power_w * std::norm(gain);
   for (std::size_t k = 0; k < n; ++k) {
     const auto response = static_cast<double>(echo.responses[k]);
     bins.power_w[first + k] += power_w * (response * response);

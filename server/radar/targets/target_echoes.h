@@ -3,6 +3,7 @@
 // share f is seen, adds to bin (k, m)
 //   voltage  sqrt(K s chi f L) / r^2 G_el(e) g((th - th_k) cos e) p(r_m - r) exp(j (phi - 4 pi r / lambda))
 //   power    K s f L / r^4 G_el(e)^2 g^2 p^2
+// and behind a Doppler filter both with its response at the target's Doppler (DopplerPlan::weight),
 // with all that the echoes of the ground have too: K of the radar equation (antenna_gain.h), the loss L of
 // the path, the elevation pattern G_el, the one-way power g of the beam and the point response p; chi and phi
 // are of the look (fluctuation.h). A radar without a beam or a pulse has all of it in the bin that holds the
@@ -34,6 +35,7 @@ struct TargetEcho {
   double extent_bins = 0;
   std::vector<float> responses;  ///< in range bins from first_range on
   int first_range = 0;
+  double doppler_hz = 0;              ///< of the radar's own motion and the target's
   double power_w = 0;                 ///< mean
   std::complex<double> voltage{0.0};  ///< sqrt(W), with the draw and the phase of the way
 };
@@ -87,7 +89,7 @@ class TargetEchoes {
     std::complex<double> drawn{0.0};  ///< what the voltage of the mean is multiplied by
   };
   std::vector<Scatterer> scatterers(const Target& target, const TargetPlace& place) const;
-  void add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2);
+  void add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2, double closing_m_s);
   /// About the antenna's own vertical, as the ground's is.
   double elevation_rad(const glm::dvec3& at_m, double range_m) const;
   /// Of its aspect, mean, m^2.
@@ -97,16 +99,20 @@ class TargetEchoes {
   /// Calls with each azimuth of the bins that a target reaches, the gain there and the row's first bin.
   template <typename Call>
   void each_row(const TargetEcho& echo, const BinBlock& bins, const Call& call) const;
-  static void add_to_row(const TargetEcho& echo, double gain, std::size_t row, BinBlock& bins, bool iq);
+  static void add_to_row(const TargetEcho& echo, std::complex<double> gain, std::size_t row, BinBlock& bins,
+                         bool iq);
   /// How far a place in azimuth is from the target, in bins, the short way round.
   double bins_away(const TargetEcho& echo, double position) const;
   /// Whether any of these azimuth bins may see it; aside_bins: of its parts from its middle.
   bool reaches(const TargetEcho& echo, AzimuthRange azimuths, double aside_bins = 0) const;
-  /// Two-way voltage pattern; without a beam 1 in the bin that holds the target.
-  double azimuth_weight(const TargetEcho& echo, int azimuth) const;
+  /// Two-way voltage pattern so many pulses before; without a beam 1 in the bin that holds the target.
+  double azimuth_gain(const TargetEcho& echo, int azimuth, int pulses_before = 0) const;
+  /// That, behind the filter of a mode that looks at Doppler.
+  std::complex<double> azimuth_weight(const TargetEcho& echo, int azimuth) const;
   void respond(TargetEcho& echo) const;
 
   const FramePlan& plan_;
+  const DopplerPlan* const doppler_;  ///< null: a map
   const AzimuthRange azimuths_;
   const TargetMoment at_;
   const TargetDraw draw_;

@@ -1,0 +1,163 @@
+// What `obliq explain` says of a radar's mode.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "server/explain/explanation.h"
+#include "server/radar/beam/sub_bins.h"
+#include "server/radar/doppler/canceller.h"
+#include "server/radar/doppler/wind.h"
+#include "server/radar/simd/exact_math.h"
+#include "terrain/base/text.h"
+#include "terrain/base/units.h"
+
+namespace obliq {
+namespace {
+
+constexpr double kLight_m_s = 299792458.0;
+
+/// Average gain times clutter attenuation of a canceller over echoes whose correlation after k pulses is
+/// rho[k] (Skolnik 2008, section 2.5); infinite where they stand still.
+double improvement_db(int delays, const MovingResidue& rho) {
+  double left = 1;
+  for (int k = 1; k <= delays; ++k)
+    left += (k % 2 == 0 ? 2 : -2) * binomial(2 * delays, delays - k) / canceller_noise_gain(delays) *
+            rho[static_cast<std::size_t>(k)];
+  constexpr double kOfDoubles = 1e-14;
+  return left > kOfDoubles ? -db_of_ratio(left) : INFINITY;
+}
+
+/// Of an antenna that sees so many pulses while it turns by a Gaussian beamwidth.
+MovingResidue turning(double pulses) {
+  MovingResidue rho{1};
+  for (std::size_t k = 1; k < rho.size(); ++k)
+    rho[k] = std::exp(-2 * std::numbers::ln2 * std::pow(static_cast<double>(k) / pulses, 2));
+  return rho;
+}
+
+/// Of one that flies over ground with so many Doppler cells of a pulse interval in its Gaussian beam.
+MovingResidue flying(double cells) {
+  // The clutter's sigma: of g^2 over the beam, in half power widths of g.
+  const double sigma = cells / (4 * std::sqrt(std::numbers::ln2));
+  MovingResidue rho{1};
+  for (std::size_t k = 1; k < rho.size(); ++k)
+    rho[k] = std::exp(-2 * std::pow(std::numbers::pi * sigma * static_cast<double>(k), 2));
+  return rho;
+}
+
+MovingResidue blown(const RadarSettings& s) {
+  const WindSpectrum wind(s.atmosphere.wind_m_s, s.frequency_ghz);
+  MovingResidue rho{1};
+  for (std::size_t k = 1; k < rho.size(); ++k)
+    rho[k] = 1 - wind.moving * (1 - wind.correlation(static_cast<double>(k) / s.pulse.prf_hz,
+                                                     wavelength_at(s.frequency_ghz)));
+  return rho;
+}
+
+std::string db_text(double db) {
+  return std::isfinite(db) ? number_text(db, ".1f") + " dB" : std::string("unlimited");
+}
+
+struct Limit {
+  const char* by;
+  double db;
+};
+
+ReportRow canceller_row(const FramePlan& plan) {
+  const RadarSettings& s = plan.settings();
+  const DopplerPlan& doppler = *plan.sum()->doppler;
+  const int c = s.doppler.canceller;
+  const double beam_rad = s.beam.pattern == BeamPattern::off ? s.azimuth_bin_rad() : narrowest_beam_rad(s);
+  const double across_m_s = doppler.velocity().across_m_s(0);
+  const double cells = 2 * across_m_s * beam_rad / wavelength_at(s.frequency_ghz) / s.pulse.prf_hz;
+  const bool turns = doppler.turn_rad() > 0;
+  const double pulses = turns ? beam_rad / doppler.turn_rad() : 0;
+  const Limit limits[] = {{"its turning", turns ? improvement_db(c, turning(pulses)) : INFINITY},
+                          {"its flight", improvement_db(c, flying(cells))},
+                          {"the wind", doppler.windy().empty() ? INFINITY : improvement_db(c, blown(s))}};
+  const Limit& least = *std::ranges::min_element(limits, {}, &Limit::db);
+  const double middle_hz = doppler.ground().level_hz({0, 1});
+  const double own_m_s = middle_hz * wavelength_at(s.frequency_ghz) / 2;
+  return {
+      "mti",
+      text_of(
+          values("delays"_is = counted(static_cast<std::uint64_t>(c), "delay"), "prf_hz"_is = s.pulse.prf_hz,
+                 "blind_m_s"_is = wavelength_at(s.frequency_ghz) * s.pulse.prf_hz / 2,
+                 "range_km"_is = kLight_m_s / (2 * s.pulse.prf_hz) / 1000, "r_max_km"_is = s.r_max_m / 1000,
+                 "turning"_is = db_text(limits[0].db), "pulses"_is = pulses,
+                 "flying"_is = db_text(limits[1].db), "speed_m_s"_is = across_m_s,
+                 "wind"_is = db_text(limits[2].db), "least"_is = db_text(least.db), "by"_is = least.by,
+                 "own_m_s"_is = own_m_s),
+          {{"mti", true,
+            "a canceller of {delays} at {prf_hz:6} Hz: speeds of {blind_m_s:.2f} m/s and its multiples "
+            "are blind, ranges unambiguous to {range_km:.1f} km (r_max is {r_max_km:.1f}). "},
+           {"mti", turns, "Turning, {pulses:.1f} pulses a beamwidth: it improves by {turning}. "},
+           {"mti", cells > 0, "Flying, {speed_m_s:.1f} m/s across the beam: {flying}. "},
+           {"mti", !doppler.windy().empty(), "Woods and grass in the wind: {wind}. "},
+           {"mti", std::isfinite(least.db), "{by} limits it, {least}. "},
+           {"mti", !std::isfinite(least.db), "Ground that stands still leaves nothing. "},
+           {"mti", !doppler.has_lock() && std::abs(own_m_s) > 1,
+            "The ground in the beam's middle closes at {own_m_s:.0f} m/s: doppler.clutter_lock = true "
+            "brings the notch there. "}})};
+}
+
+ReportRow sharpening_row(const FramePlan& plan) {
+  const RadarSettings& s = plan.settings();
+  const DopplerPlan& doppler = *plan.sum()->doppler;
+  const double train_s = coherent_time_s(s);
+  const double beam_rad = narrowest_beam_rad(s);
+  const double sector_rad = s.sector_deg * kDegree_rad;
+  const auto ratio = [&](double azimuth_rad) {
+    return cells_in_beam(s, beam_rad, doppler.velocity().across_m_s(azimuth_rad));
+  };
+  const double most = cells_in_beam(s, beam_rad, doppler.velocity().most_across_m_s(sector_rad));
+  const double width_hz = most / train_s;
+  const double rows = beam_rad * plan.sum()->azimuth_parts / s.azimuth_bin_rad();
+  return {
+      "dbs",
+      text_of(
+          values("pulses"_is = s.doppler.pulses, "prf_hz"_is = s.pulse.prf_hz, "train_ms"_is = 1000 * train_s,
+                 "left"_is = ratio(-sector_rad / 2), "middle"_is = ratio(0),
+                 "right"_is = ratio(sector_rad / 2), "most"_is = most, "rows"_is = rows,
+                 "needed"_is = most + 3, "cell_deg"_is = beam_rad / kDegree_rad / std::max(1.0, ratio(0)),
+                 "width_hz"_is = width_hz, "range_km"_is = kLight_m_s / (2 * s.pulse.prf_hz) / 1000),
+          {{"dbs", true,
+            "{pulses:4} pulses at {prf_hz:6} Hz, {train_ms:.1f} ms: the beam becomes {left:.1f}, "
+            "{middle:.1f} and {right:.1f} times as narrow at the sector's left, middle and right; "
+            "{rows:.1f} rows a beamwidth, B + 3 = {needed:.1f} are needed. "},
+           {"dbs", !(most > 1),
+            "Nothing flies across the beam: the map is the real beam's. antenna.velocity_* says how it "
+            "flies. "},
+           {"dbs", width_hz > s.pulse.prf_hz,
+            "The ground in the beam is {width_hz:.0f} Hz wide, more than the PRF: azimuths are "
+            "ambiguous. "}})};
+}
+
+ReportRow image_row(const FramePlan& plan) {
+  const RadarSettings& s = plan.settings();
+  const DopplerPlan& doppler = *plan.sum()->doppler;
+  const double middle_m = (s.r_min_m + s.r_max_m) / 2;
+  return {"sar",
+          text_of(values("resolution_m"_is = s.doppler.resolution_m,
+                         "speed_m_s"_is = doppler.velocity().across_m_s(0),
+                         "time_s"_is = doppler.turns_a_hz(middle_m), "range_km"_is = middle_m / 1000,
+                         "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0)),
+                  {{"sar", true,
+                    "{resolution_m:3} m across range: {time_s:.2f} s of flight at {speed_m_s:.1f} m/s, an "
+                    "aperture of {length_m:.0f} m at {range_km:.1f} km. "}})};
+}
+
+}  // namespace
+
+std::vector<ReportRow> doppler_rows(const FramePlan& plan) {
+  std::vector<ReportRow> rows;
+  if (plan.settings().mode == RadarMode::mti) rows.push_back(canceller_row(plan));
+  if (plan.settings().mode == RadarMode::dbs) rows.push_back(sharpening_row(plan));
+  if (plan.settings().mode == RadarMode::sar) rows.push_back(image_row(plan));
+  for (ReportRow& row : rows)
+    if (row.text.ends_with(' ')) row.text.pop_back();
+  return rows;
+}
+
+}  // namespace obliq

@@ -1,0 +1,149 @@
+#include "server/radar/beam/doppler_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "server/radar/doppler/canceller.h"
+#include "server/radar/simd/kernels.h"
+#include "terrain/base/asking.h"
+
+namespace obliq {
+namespace {
+
+// In units of ask(), a bin: its Doppler, a draw, a canceller.
+constexpr std::int64_t kPlaceWork = 4;
+constexpr std::int64_t kDrawWork = 2;
+constexpr std::int64_t kCancelWork = 2;
+
+}  // namespace
+
+DopplerRows::DopplerRows(const EchoPlan& plan)
+    : plan_(plan),
+      stride_(sharp_stride(plan)),
+      kept_(static_cast<std::size_t>(
+          std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))) {}
+
+void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row, Voltages voltages,
+                       std::uint64_t key) {
+  rows_.clear();
+  firsts_.clear();
+  seconds_.clear();
+  moving_.clear();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
+    Row& row = kept_[place_of(first_row + static_cast<int>(k))];
+    if (row.azimuth != azimuth) {
+      row.azimuth = azimuth;
+      row.voltages = Voltages::none;
+      row.power = nullptr;
+      place(row, rows[k]->sine_row(azimuth), plan_.row_middle_rad(azimuth));
+      if (!plan_.doppler->windy().empty()) find_moving(row, *rows[k]);
+    }
+    if (row.power == nullptr || row.voltages != voltages || row.key != key)
+      make(row, *rows[k], voltages, key);
+    rows_.push_back(&row);
+    firsts_.push_back(row.first.data());
+    seconds_.push_back(row.second.data());
+    if (!row.moving.empty()) moving_.push_back(row.moving.data());
+  }
+}
+
+std::size_t DopplerRows::place_of(int row) const {
+  const auto n = static_cast<int>(kept_.size());
+  return static_cast<std::size_t>((row % n + n) % n);
+}
+
+void DopplerRows::place_output(int azimuth) {
+  place(output_, plan_.doppler->level_sine().data(), plan_.output_middle_rad(azimuth));
+}
+
+void DopplerRows::place(Row& row, const float* sine, double azimuth_rad) const {
+  const DopplerPlan& doppler = *plan_.doppler;
+  const SinCos azimuth = sincos_turns(azimuth_rad / (2 * std::numbers::pi));
+  const DopplerRow of{static_cast<int>(stride_), sine, doppler.turns_a_hz().data(),
+                      doppler.ground().level_hz(azimuth), doppler.ground().up_hz()};
+  row.first.resize(stride_);
+  ask(kPlaceWork * static_cast<std::int64_t>(stride_));
+  if (!doppler.is_canceller()) {
+    active_kernels().doppler_cells({of, row.first.data()});
+    return;
+  }
+  row.second.resize(stride_);
+  active_kernels().doppler_phasors({of, row.first.data(), row.second.data()});
+}
+
+/// Material 0 has what the others leave of the power.
+void DopplerRows::find_moving(Row& row, const SharpWedge& wedge) const {
+  const std::vector<int>& windy = plan_.doppler->windy();
+  const auto share = static_cast<float>(plan_.doppler->moving_share());
+  const auto add = [&](const float* power, float times) {
+    for (std::size_t m = 0; power != nullptr && m < stride_; ++m) row.moving[m] += times * power[m];
+    ask(static_cast<std::int64_t>(stride_));
+  };
+  row.moving.assign(stride_, 0);
+  const bool has_first = windy.front() == 0;
+  if (has_first) add(wedge.power_row(row.azimuth), share);
+  for (const LabelShare& label : wedge.label_powers) {
+    if (label.kind == 0 || label.kind >= LabelShare::kBuildings) continue;
+    const bool moves = std::ranges::binary_search(windy, label.kind);
+    if (moves != has_first) add(wedge.label_row(row.azimuth, label.kind), moves ? share : -share);
+  }
+  for (float& power : row.moving) power = std::max(power, 0.0F);
+}
+
+void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key) {
+  row.voltages = voltages;
+  row.key = key;
+  row.power = wedge.power_row(row.azimuth);
+  row.iq = nullptr;
+  const auto n = static_cast<std::int64_t>(stride_);
+  if (voltages == Voltages::own) row.iq = wedge.iq_row(row.azimuth);
+  if (voltages == Voltages::look) row.iq = wedge.look_row(row.azimuth);
+  if (voltages == Voltages::drawn) {
+    // A draw belongs to a place in the output frame: how far beyond it the sharp one reaches does not matter.
+    constexpr std::uint64_t kBeside = std::uint64_t{1} << 30;
+    const std::uint64_t azimuth =
+        kBeside + static_cast<std::uint64_t>(row.azimuth) - static_cast<std::uint64_t>(plan_.first_azimuth);
+    const std::uint64_t range = kBeside - static_cast<std::uint64_t>(plan_.first_range);
+    row.own_iq.resize(2 * stride_);
+    active_kernels().draw_speckle(
+        {key, (azimuth << 32) + range, static_cast<int>(stride_), row.power, row.own_iq.data()});
+    ask(kDrawWork * n);
+    row.iq = row.own_iq.data();
+  }
+  if (!plan_.doppler->is_of_rows()) return;
+  row.own_power.resize(stride_);
+  if (row.iq != nullptr) row.own_iq.resize(2 * stride_);
+  cancel(row, row.power, row.iq, row.own_power.data(), row.own_iq.data());
+  row.power = row.own_power.data();
+  if (row.iq != nullptr) row.iq = row.own_iq.data();
+}
+
+const float* DopplerRows::filtered(std::size_t k, const float* power) {
+  if (!plan_.doppler->is_of_rows()) return power;
+  Row& row = *rows_[k];
+  row.other_power.resize(stride_);
+  cancel(row, power, nullptr, row.other_power.data(), nullptr);
+  return row.other_power.data();
+}
+
+MovingEchoes DopplerRows::moving_echoes() const {
+  const MovingResidue& residue = plan_.doppler->residue();
+  MovingEchoes echoes{static_cast<float>(std::accumulate(residue.begin(), residue.end(), 0.0)), {}};
+  for (std::size_t k = 1; k < residue.size(); ++k) echoes.turned[k - 1] = static_cast<float>(residue[k]);
+  return echoes;
+}
+
+void DopplerRows::cancel(const Row& row, const float* power, const float* iq, float* out_power,
+                         float* out_iq) const {
+  ask(kCancelWork * static_cast<std::int64_t>(stride_));
+  const int delays = plan_.doppler->delays();
+  active_kernels().cancel_row({static_cast<int>(stride_), delays,
+                               static_cast<float>(1 / canceller_noise_gain(delays)), row.first.data(),
+                               row.second.data(), power, row.moving.empty() ? nullptr : row.moving.data(),
+                               moving_echoes(), iq, out_power, out_iq});
+}
+
+}  // namespace obliq

@@ -1,0 +1,68 @@
+#pragma once
+// Rows of sharp bins as a radar that looks at Doppler adds them up.
+#include <cstdint>
+#include <vector>
+
+#include "server/radar/beam/sharp_wedge.h"
+#include "server/radar/simd/doppler_sums.h"
+
+namespace obliq {
+
+/// Makes of rows what the sums need of them beside their power: where their echoes stand in Doppler, I&Q
+/// drawn from their power, a canceller's output where that is a matter of the row alone. Keeps the rows that
+/// neighbouring output wedges share. Holds its buffers; one thread at a time.
+class DopplerRows {
+ public:
+  explicit DopplerRows(const EchoPlan& plan);
+
+  enum class Voltages {
+    none,
+    own,   ///< the wedges' I&Q
+    look,  ///< their look
+    drawn  ///< a draw about the power
+  };
+  /// Rows from a first one on (RowWindow::first_row), rows[k] each in its wedge.
+  void take(const std::vector<const SharpWedge*>& rows, int first_row, Voltages voltages, std::uint64_t key);
+
+  // Of row k of those taken; behind its own canceller where plan.doppler->is_of_rows().
+  const float* power(std::size_t k) const { return rows_[k]->power; }
+  const float* iq(std::size_t k) const { return rows_[k]->iq; }
+  /// Of all taken: sine and cosine of half the turns (mti), or cells and nothing.
+  const float* const* firsts() const { return firsts_.data(); }
+  const float* const* seconds() const { return seconds_.data(); }
+  /// Of their power, what moves in the wind; null: nothing does.
+  const float* const* moving() const { return moving_.empty() ? nullptr : moving_.data(); }
+  /// Another power of row k, of a label, behind the same canceller; until the next call for k.
+  const float* filtered(std::size_t k, const float* power);
+
+  /// The same of an output azimuth over level ground.
+  void place_output(int azimuth);
+  MovingEchoes moving_echoes() const;
+  const float* output_first() const { return output_.first.data(); }
+  const float* output_second() const { return output_.second.data(); }
+
+ private:
+  struct Row {
+    int azimuth = -1;
+    Voltages voltages = Voltages::none;
+    std::uint64_t key = 0;
+    const float* power = nullptr;
+    const float* iq = nullptr;
+    std::vector<float> first, second;
+    std::vector<float> own_power, own_iq, other_power, moving;
+  };
+  std::size_t place_of(int row) const;
+  void place(Row& row, const float* sine, double azimuth_rad) const;
+  void make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key);
+  void find_moving(Row& row, const SharpWedge& wedge) const;
+  void cancel(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
+
+  const EchoPlan& plan_;
+  const std::size_t stride_;
+  std::vector<Row> kept_;   // by their number, on and on
+  std::vector<Row*> rows_;  // those taken
+  std::vector<const float*> firsts_, seconds_, moving_;
+  Row output_;
+};
+
+}  // namespace obliq

@@ -1,0 +1,67 @@
+#include "server/radar/doppler/doppler_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/radar/doppler/canceller.h"
+#include "terrain/base/asking.h"
+#include "terrain/base/units.h"
+
+namespace obliq {
+
+DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& velocity,
+                         const SharpRanges& ranges, double turn_rad, double above_ground_m,
+                         std::vector<int> windy)
+    : mode_(settings.mode),
+      delays_(settings.doppler.canceller),
+      has_lock_(settings.mode == RadarMode::mti && settings.doppler.clutter_lock && !velocity.is_zero()),
+      turn_rad_(settings.mode == RadarMode::mti ? turn_rad : 0),
+      above_ground_m_(above_ground_m),
+      pulse_s_(1 / settings.pulse.prf_hz),
+      train_s_(settings.doppler.pulses / settings.pulse.prf_hz),
+      velocity_(velocity),
+      windy_(std::move(windy)),
+      ground_(velocity, wavelength_at(settings.frequency_ghz)),
+      response_(settings) {
+  // T = lambda r / (2 v sin(psi) resolution) at the sector's centre (Carrara, Goodman, Majewski 1995,
+  // eq. 2.26).
+  if (!windy_.empty()) {
+    moving_share_ = WindSpectrum(settings.atmosphere.wind_m_s, settings.frequency_ghz).moving;
+    residue_ = moving_residue(settings);
+  }
+  const double across_m_s = velocity.across_m_s(0);
+  if (mode_ == RadarMode::sar && across_m_s > 0)
+    sar_s_a_m_ = wavelength_at(settings.frequency_ghz) / (2 * across_m_s * settings.doppler.resolution_m);
+  ask(4 * ranges.n);
+  for (int bin = 0; bin < ranges.n; ++bin) {
+    turns_a_hz_.push_back(turns_a_hz(ranges.middle_m(bin)));
+    level_sine_.push_back(static_cast<float>(level_sine(ranges.middle_m(bin))));
+  }
+}
+
+double DopplerPlan::turns_a_hz(double range_m) const {
+  switch (mode_) {
+    case RadarMode::mti:
+      return pulse_s_;
+    case RadarMode::dbs:
+      return train_s_;
+    default:
+      return sar_s_a_m_ * range_m;
+  }
+}
+
+double DopplerPlan::level_sine(double range_m) const {
+  return -std::clamp(above_ground_m_ / std::max(range_m, 1.0), -1.0, 1.0);
+}
+
+std::complex<double> DopplerPlan::weight(double hz, double range_m, const SinCos& output,
+                                         const std::vector<double>& gains) const {
+  const bool follows = !is_canceller() || has_lock_;
+  const double middle_hz = follows ? ground_.hz(output, level_sine(range_m)) : 0;
+  const double turns = (hz - middle_hz) * turns_a_hz(range_m);
+  if (is_canceller()) return cancelled(canceller_in_u(gains), canceller_u(turns));
+  return gains.front() * response_.at(turns);
+}
+
+}  // namespace obliq

@@ -1,0 +1,79 @@
+#pragma once
+// What the sums over sharp bins need to know of Doppler: where each row and each output stands, and what the
+// filter makes of it.
+#include <complex>
+#include <vector>
+
+#include "server/radar/doppler/doppler_response.h"
+#include "server/radar/doppler/ground_doppler.h"
+#include "server/radar/doppler/wind.h"
+#include "server/radar/settings.h"
+
+namespace obliq {
+
+/// Range bins of a plan.
+struct SharpRanges {
+  double r_min_m = 0;
+  double spacing_m = 0;
+  int n = 0;
+  double middle_m(int bin) const { return r_min_m + (bin + 0.5) * spacing_m; }
+};
+
+/// Of a frame in a mode other than map. Immutable.
+class DopplerPlan {
+ public:
+  /// turn_rad: how far the antenna turns between two pulses. above_ground_m: of the antenna over level
+  /// ground, where a map's output looks for its echo.
+  /// windy: materials whose echoes move.
+  DopplerPlan(const RadarSettings& settings, const SectorVelocity& velocity, const SharpRanges& ranges,
+              double turn_rad, double above_ground_m, std::vector<int> windy);
+
+  RadarMode mode() const { return mode_; }
+  bool is_canceller() const { return mode_ == RadarMode::mti; }
+  int delays() const { return delays_; }
+  bool has_lock() const { return has_lock_; }
+  double turn_rad() const { return turn_rad_; }
+  /// Rows are filtered by themselves, whatever output they count for: an antenna that does not turn while it
+  /// cancels, and a notch that stays.
+  bool is_of_rows() const { return is_canceller() && !has_lock_ && turn_rad_ == 0; }
+
+  /// Materials of which a share moves in the wind, and what the canceller leaves of that (moving_residue).
+  const std::vector<int>& windy() const { return windy_; }
+  double moving_share() const { return moving_share_; }
+  const MovingResidue& residue() const { return residue_; }
+
+  const SectorVelocity& velocity() const { return velocity_; }
+  const GroundDoppler& ground() const { return ground_; }
+  const DopplerResponse& response() const { return response_; }
+  /// Turns of the phase for 1 Hz, at a range: between two pulses (mti); Doppler cells for 1 Hz (dbs, sar).
+  double turns_a_hz(double range_m) const;
+  /// The same [ranges], and sines of elevation of level ground.
+  const std::vector<double>& turns_a_hz() const { return turns_a_hz_; }
+  const std::vector<float>& level_sine() const { return level_sine_; }
+  double level_sine(double range_m) const;
+
+  /// What an echo at f Hz and this range weighs in the output whose own is at an azimuth, its two-way voltage
+  /// gains, i pulses before, in gains: all c + 1 of them, or one.
+  std::complex<double> weight(double hz, double range_m, const SinCos& output,
+                              const std::vector<double>& gains) const;
+
+ private:
+  RadarMode mode_;
+  int delays_;
+  bool has_lock_;
+  double turn_rad_;
+  double above_ground_m_;
+  double pulse_s_;
+  double train_s_;
+  double sar_s_a_m_ = 0;  ///< time over range of a synthetic aperture
+  SectorVelocity velocity_;
+  std::vector<int> windy_;
+  double moving_share_ = 0;
+  MovingResidue residue_{};
+  GroundDoppler ground_;
+  DopplerResponse response_;
+  std::vector<double> turns_a_hz_;
+  std::vector<float> level_sine_;
+};
+
+}  // namespace obliq
