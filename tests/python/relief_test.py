@@ -106,11 +106,11 @@ def seen_from(antenna, latitude, longitude, height):
     return own
 
 
-def clutter_in(ground, antenna, boresight_deg, range_m):
-    """Of a bin of the frame: gamma over each facet's area square to the line of sight, seen past all that is nearer, through
-    beam and pulse, a cross section in m^2 at range_m."""
-    bearing = np.radians(boresight_deg + np.arange(-4.5, 4.5001, 0.015))[:, None]
-    way = np.arange(60.0, range_m + 2 * PULSE_M, 2.0)[None, :]
+def lit_facets(ground, antenna, bearing_deg, end_m):
+    """Facets of the ground along these bearings as the antenna sees them: azimuth, slant range, sine of elevation, and area square to
+    the line of sight, in m^2, 0 where what is nearer hides it."""
+    bearing = np.radians(bearing_deg)[:, None]
+    way = np.arange(60.0, end_m, 2.0)[None, :]
     # Places on the ellipsoid by its two radii of curvature at the antenna, as far out as a beam's width matters.
     la = math.radians(antenna[0])
     e2 = FLATTENING * (2 - FLATTENING)
@@ -120,18 +120,23 @@ def clutter_in(ground, antenna, boresight_deg, range_m):
     longitude = antenna[1] + np.degrees(way * np.sin(bearing) / (across * np.cos(np.radians((latitude + antenna[0]) / 2))))
     at = seen_from(antenna, latitude, longitude, ground.at(latitude, longitude))
     area = np.cross(at[1:, 1:] - at[:-1, :-1], at[:-1, 1:] - at[1:, :-1]) / 2
+    area *= np.sign(area[..., 2:])  # upwards
     middle = (at[1:, 1:] + at[:-1, :-1] + at[:-1, 1:] + at[1:, :-1]) / 4
-    distance = np.hypot(middle[..., 0], middle[..., 1])
-    slope = middle[..., 2] / distance
+    slope = middle[..., 2] / np.hypot(middle[..., 0], middle[..., 1])
     is_seen = slope >= np.maximum.accumulate(slope, axis=1)
     r = np.linalg.norm(middle, axis=-1)
-    area *= np.sign(area[..., 2:])  # upwards
     facing = np.maximum(0, -np.sum(area * middle, axis=-1) / r)
-    off = np.arctan2(middle[..., 0], middle[..., 1]) - math.radians(boresight_deg)
-    own = np.degrees(np.arcsin(distance / r * np.sin(off)))
+    return np.arctan2(middle[..., 0], middle[..., 1]), r, middle[..., 2] / r, facing * is_seen
+
+
+def clutter_in(ground, antenna, boresight_deg, range_m):
+    """Of a bin of the frame: gamma over each facet's area square to the line of sight, seen past all that is nearer, through
+    beam and pulse, a cross section in m^2 at range_m."""
+    azimuth, r, sine, area = lit_facets(ground, antenna, boresight_deg + np.arange(-4.5, 4.5001, 0.015), range_m + 2 * PULSE_M)
+    own = np.degrees(np.arcsin(np.sqrt(1 - sine ** 2) * np.sin(azimuth - math.radians(boresight_deg))))
     gain = np.exp(-4 * math.log(2) * (own / 3.0) ** 2)
     pulse = np.maximum(0, 1 - np.abs(r - range_m) / PULSE_M)
-    return GAMMA * np.sum(facing * is_seen * gain ** 2 * pulse ** 2 * (range_m / r) ** 4)
+    return GAMMA * np.sum(area * gain ** 2 * pulse ** 2 * (range_m / r) ** 4)
 
 
 LACKING = [name for name in MODELS if not (SHARED / name).is_file()]

@@ -9,6 +9,7 @@ class SettingsFields(TypedDict, total=False):
     """Keywords that Settings takes."""
 
     frequency_ghz: float | None
+    mode: Literal["map", "mti", "dbs", "sar"] | None
     sector_deg: float | None
     r_min_m: float | None
     r_max_m: float | None
@@ -46,6 +47,12 @@ class SettingsFields(TypedDict, total=False):
     pulse_nbar: int | None
     pulse_extent_bins: int | None
     pulse_eclipse: bool | None
+    prf_hz: float | None
+    doppler_pulses: int | None
+    doppler_window: Literal["none", "hamming", "hann", "taylor", "blackman_harris"] | None
+    canceller: int | None
+    clutter_lock: bool | None
+    resolution_m: float | None
     noise: bool | None
     noise_figure_db: float | None
     antenna_temperature_k: float | None
@@ -67,6 +74,7 @@ class SettingsFields(TypedDict, total=False):
     rain_top_m: float | None
     gas: bool | None
     polarisation: Literal["horizontal", "vertical"] | None
+    wind_m_s: float | None
 
 
 class PoseFields(TypedDict, total=False):

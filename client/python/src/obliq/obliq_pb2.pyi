@@ -6,6 +6,7 @@ from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Map
 
 AIM_EVENT: EventKind
 AUTO_SPECKLE: SpeckleKind
+BLACKMAN_HARRIS_DOPPLER_WINDOW: DopplerWindow
 BOOKMARK_EVENT: EventKind
 BUILDING: PlaneKind
 CF32_LE: IqEncodingKind
@@ -17,6 +18,7 @@ COSECANT_ELEVATION: ElevationPattern
 COSINE_BEAM: BeamPattern
 COUNT: PlaneKind
 DATUM: HeightReference
+DBS_MODE: RadarMode
 DESCRIPTOR: _descriptor.FileDescriptor
 ELLIPSOID: HeightReference
 FILE_BEAM: BeamPattern
@@ -28,15 +30,20 @@ GAUSSIAN_ELEVATION: ElevationPattern
 GEOMETRIC_SPECKLE: SpeckleKind
 GROUND: HeightReference
 GROUND_SPECKLE: SpeckleKind
+HAMMING_DOPPLER_WINDOW: DopplerWindow
 HAMMING_WINDOW: PulseWindow
+HANN_DOPPLER_WINDOW: DopplerWindow
 HANN_WINDOW: PulseWindow
 HEIGHT: PlaneKind
 HORIZONTAL: Polarisation
 INDEPENDENT_SPECKLE: SpeckleKind
 IQ: PlaneKind
 LOAD_EVENT: EventKind
+MAP_MODE: RadarMode
 MATERIAL: PlaneKind
+MTI_MODE: RadarMode
 NEAREST_PLATES: PlateKind
+NONE_DOPPLER_WINDOW: DopplerWindow
 NONE_SPECKLE: SpeckleKind
 NONE_WINDOW: PulseWindow
 NO_EVENT: EventKind
@@ -51,6 +58,7 @@ RECTANGULAR_PULSE: PulseKind
 RELEASE_EVENT: EventKind
 RESET_EVENT: EventKind
 RETURNS: PlaneKind
+SAR_MODE: RadarMode
 SECTOR_SCAN: ScanMode
 SETTINGS_CLAIM: ClaimKind
 SETTINGS_EVENT: EventKind
@@ -64,6 +72,7 @@ TARGET: PlaneKind
 TARGETS_CLAIM: ClaimKind
 TARGETS_EVENT: EventKind
 TAYLOR_BEAM: BeamPattern
+TAYLOR_DOPPLER_WINDOW: DopplerWindow
 TAYLOR_WINDOW: PulseWindow
 UNCOMPRESSED: CompressionKind
 UNIFORM_BEAM: BeamPattern
@@ -702,7 +711,7 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ..., platforms: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_stabilised", "beam_width_deg", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "scan_bars", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db"]
+    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_stabilised", "beam_width_deg", "canceller", "clutter_lock", "doppler_pulses", "doppler_window", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "mode", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "prf_hz", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "resolution_m", "scan_bars", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db", "wind_m_s"]
     ADC_BITS_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_TEMPERATURE_K_FIELD_NUMBER: _ClassVar[int]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -715,6 +724,10 @@ class RadarSettings(_message.Message):
     BEAM_SIDELOBE_DB_FIELD_NUMBER: _ClassVar[int]
     BEAM_STABILISED_FIELD_NUMBER: _ClassVar[int]
     BEAM_WIDTH_DEG_FIELD_NUMBER: _ClassVar[int]
+    CANCELLER_FIELD_NUMBER: _ClassVar[int]
+    CLUTTER_LOCK_FIELD_NUMBER: _ClassVar[int]
+    DOPPLER_PULSES_FIELD_NUMBER: _ClassVar[int]
+    DOPPLER_WINDOW_FIELD_NUMBER: _ClassVar[int]
     FREQUENCY_GHZ_FIELD_NUMBER: _ClassVar[int]
     FRUSTUM_FIELD_NUMBER: _ClassVar[int]
     FTC_US_FIELD_NUMBER: _ClassVar[int]
@@ -722,6 +735,7 @@ class RadarSettings(_message.Message):
     GAIN_DB_FIELD_NUMBER: _ClassVar[int]
     GAS_FIELD_NUMBER: _ClassVar[int]
     LOSS_DB_FIELD_NUMBER: _ClassVar[int]
+    MODE_FIELD_NUMBER: _ClassVar[int]
     NOISE_FIELD_NUMBER: _ClassVar[int]
     NOISE_FIGURE_DB_FIELD_NUMBER: _ClassVar[int]
     NOISE_FRAME_FIELD_NUMBER: _ClassVar[int]
@@ -732,6 +746,7 @@ class RadarSettings(_message.Message):
     PLATES_FIELD_NUMBER: _ClassVar[int]
     POLARISATION_FIELD_NUMBER: _ClassVar[int]
     POWER_W_FIELD_NUMBER: _ClassVar[int]
+    PRF_HZ_FIELD_NUMBER: _ClassVar[int]
     PULSE_BANDWIDTH_MHZ_FIELD_NUMBER: _ClassVar[int]
     PULSE_ECLIPSE_FIELD_NUMBER: _ClassVar[int]
     PULSE_EXTENT_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -745,6 +760,7 @@ class RadarSettings(_message.Message):
     RANGE_BINS_FIELD_NUMBER: _ClassVar[int]
     RANGE_NORMALISATION_FIELD_NUMBER: _ClassVar[int]
     RECEIVER_GAIN_DB_FIELD_NUMBER: _ClassVar[int]
+    RESOLUTION_M_FIELD_NUMBER: _ClassVar[int]
     R_MAX_M_FIELD_NUMBER: _ClassVar[int]
     R_MIN_M_FIELD_NUMBER: _ClassVar[int]
     SCAN_BARS_FIELD_NUMBER: _ClassVar[int]
@@ -762,6 +778,7 @@ class RadarSettings(_message.Message):
     VIDEO_FLOOR_DB_FIELD_NUMBER: _ClassVar[int]
     VIDEO_LOOKS_FIELD_NUMBER: _ClassVar[int]
     VIDEO_SPAN_DB_FIELD_NUMBER: _ClassVar[int]
+    WIND_M_S_FIELD_NUMBER: _ClassVar[int]
     adc_bits: int
     antenna_temperature_k: float
     azimuth_bins: int
@@ -774,6 +791,10 @@ class RadarSettings(_message.Message):
     beam_sidelobe_db: float
     beam_stabilised: bool
     beam_width_deg: float
+    canceller: int
+    clutter_lock: bool
+    doppler_pulses: int
+    doppler_window: DopplerWindow
     frequency_ghz: float
     frustum: FrustumKind
     ftc_us: float
@@ -781,6 +802,7 @@ class RadarSettings(_message.Message):
     gain_db: float
     gas: bool
     loss_db: float
+    mode: RadarMode
     noise: bool
     noise_figure_db: float
     noise_frame: int
@@ -791,6 +813,7 @@ class RadarSettings(_message.Message):
     plates: PlateKind
     polarisation: Polarisation
     power_w: float
+    prf_hz: float
     pulse_bandwidth_mhz: float
     pulse_eclipse: bool
     pulse_extent_bins: int
@@ -806,6 +829,7 @@ class RadarSettings(_message.Message):
     range_bins: int
     range_normalisation: bool
     receiver_gain_db: float
+    resolution_m: float
     scan_bars: ScanBars
     scan_dwell_bins: int
     scan_mode: ScanMode
@@ -821,7 +845,8 @@ class RadarSettings(_message.Message):
     video_floor_db: float
     video_looks: int
     video_span_db: float
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., scan_bars: _Optional[_Union[ScanBars, _Mapping]] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., beam_stabilised: bool = ..., ftc_us: _Optional[float] = ...) -> None: ...
+    wind_m_s: float
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., scan_bars: _Optional[_Union[ScanBars, _Mapping]] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., beam_stabilised: bool = ..., mode: _Optional[_Union[RadarMode, str]] = ..., prf_hz: _Optional[float] = ..., doppler_pulses: _Optional[int] = ..., doppler_window: _Optional[_Union[DopplerWindow, str]] = ..., canceller: _Optional[int] = ..., clutter_lock: bool = ..., wind_m_s: _Optional[float] = ..., resolution_m: _Optional[float] = ..., ftc_us: _Optional[float] = ...) -> None: ...
 
 class RadarState(_message.Message):
     __slots__ = ["frozen", "pose", "radar", "rate_limit_hz", "settings", "transmit_off"]
@@ -1359,6 +1384,12 @@ class PulseWindow(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
 
 class ScanMode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+
+class RadarMode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+
+class DopplerWindow(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
 
 class Polarisation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):

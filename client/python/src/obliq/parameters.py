@@ -19,6 +19,8 @@ class Settings(Fields):
     """Settings of a radar. None: as it is, or the default where a frame is rendered.
 
     frequency_ghz: Carrier frequency. Allowed: number 0.03 to 300 GHz.
+    mode: What the pulses make: the map of mean echoes, moving targets alone (mti), a map sharpened by Doppler (dbs), or an
+        image of synthetic aperture (sar). Allowed: "map" | "mti" | "dbs" | "sar".
     sector_deg: Width of the sector in azimuth; the symmetric frustum needs less than 180. Allowed: number above 0, at most
         360 deg.
     r_min_m: Slant range of the near edge of the first range bin. Allowed: number 0 to 500000 m.
@@ -76,6 +78,17 @@ class Settings(Fields):
     pulse_extent_bins: Range bins on either side that a point reaches, at most: a rectangular pulse ends where its triangle
         does. Allowed: integer 1 to 256.
     pulse_eclipse: Cut the echo of what is nearer than half a pulse: the antenna still transmits. Allowed: true | false.
+    prf_hz: Pulses a second, of the modes mti and dbs; a radial speed of wavelength x PRF / 2 is blind. Allowed: number 1 to
+        1000000 Hz.
+    doppler_pulses: Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows.
+        Allowed: integer 2 to 1024.
+    doppler_window: Weights of these pulses: wider beams, lower sidelobes. Allowed: "none" | "hamming" | "hann" | "taylor" |
+        "blackman_harris".
+    canceller: Delays of the moving target indicator (mti): more of them cancel more of the ground. Allowed: integer 1 to 3.
+    clutter_lock: The moving target indicator's notch follows the ground in the beam's middle: for a radar that flies.
+        Allowed: true | false.
+    resolution_m: Of an image of synthetic aperture (sar), across range; along range the pulse has it. Allowed: number 0.5
+        to 100 m.
     noise: Add the receiver's noise, k T B, to the bins. Allowed: true | false.
     noise_figure_db: Noise figure of the receiver at 290 K. Allowed: number 0 to 40 dB.
     antenna_temperature_k: Noise temperature of what the antenna sees. Allowed: number 3 to 100000 K.
@@ -102,9 +115,12 @@ class Settings(Fields):
     rain_top_m: Height of the rain's top above the datum. Allowed: number -1000 to 20000 m.
     gas: Attenuation by oxygen and water vapour of the standard atmosphere at sea level. Allowed: true | false.
     polarisation: Of the radar's wave, for the rain's attenuation. Allowed: "horizontal" | "vertical".
+    wind_m_s: Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them through.
+        Allowed: number 0 to 60 m/s.
     """
 
     frequency_ghz: float | None = None
+    mode: Literal["map", "mti", "dbs", "sar"] | None = None
     sector_deg: float | None = None
     r_min_m: float | None = None
     r_max_m: float | None = None
@@ -142,6 +158,12 @@ class Settings(Fields):
     pulse_nbar: int | None = None
     pulse_extent_bins: int | None = None
     pulse_eclipse: bool | None = None
+    prf_hz: float | None = None
+    doppler_pulses: int | None = None
+    doppler_window: Literal["none", "hamming", "hann", "taylor", "blackman_harris"] | None = None
+    canceller: int | None = None
+    clutter_lock: bool | None = None
+    resolution_m: float | None = None
     noise: bool | None = None
     noise_figure_db: float | None = None
     antenna_temperature_k: float | None = None
@@ -163,6 +185,7 @@ class Settings(Fields):
     rain_top_m: float | None = None
     gas: bool | None = None
     polarisation: Literal["horizontal", "vertical"] | None = None
+    wind_m_s: float | None = None
 
     def replace(self, **changes: Unpack[SettingsFields]) -> Settings:
         """The same, but for these."""
@@ -170,6 +193,12 @@ class Settings(Fields):
 
 
 Settings.choices = {
+    "mode": {
+        "map": 0,
+        "mti": 1,
+        "dbs": 2,
+        "sar": 3
+    },
     "speckle": {
         "ground": 0,
         "geometric": 1,
@@ -217,6 +246,13 @@ Settings.choices = {
         "hann": 2,
         "taylor": 3
     },
+    "doppler_window": {
+        "none": 0,
+        "hamming": 1,
+        "hann": 2,
+        "taylor": 3,
+        "blackman_harris": 4
+    },
     "polarisation": {
         "horizontal": 0,
         "vertical": 1
@@ -233,6 +269,7 @@ Settings.ideal = {
 }
 Settings.keys = {
     "radar.frequency_ghz": "frequency_ghz",
+    "radar.mode": "mode",
     "radar.sector_deg": "sector_deg",
     "radar.r_min_m": "r_min_m",
     "radar.r_max_m": "r_max_m",
@@ -270,6 +307,12 @@ Settings.keys = {
     "pulse.nbar": "pulse_nbar",
     "pulse.extent_bins": "pulse_extent_bins",
     "pulse.eclipse": "pulse_eclipse",
+    "pulse.prf_hz": "prf_hz",
+    "doppler.pulses": "doppler_pulses",
+    "doppler.window": "doppler_window",
+    "doppler.canceller": "canceller",
+    "doppler.clutter_lock": "clutter_lock",
+    "doppler.resolution_m": "resolution_m",
     "receiver.noise": "noise",
     "receiver.noise_figure_db": "noise_figure_db",
     "receiver.antenna_temperature_k": "antenna_temperature_k",
@@ -290,7 +333,8 @@ Settings.keys = {
     "atmosphere.rain_mm_h": "rain_mm_h",
     "atmosphere.rain_top_m": "rain_top_m",
     "atmosphere.gas": "gas",
-    "atmosphere.polarisation": "polarisation"
+    "atmosphere.polarisation": "polarisation",
+    "atmosphere.wind_m_s": "wind_m_s"
 }
 
 
