@@ -10,6 +10,7 @@
 #include "proto/obliq.pb.h"
 #include "server/accuracy/thresholds.h"
 #include "server/control/settings_message.h"
+#include "server/radar/doppler/doppler_warnings.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/unsampled.h"
@@ -106,6 +107,9 @@ std::string steep_beam_warning(const FramePlan& plan) {
 }
 
 void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescriptor& descriptor) {
+  if (plan.sum() != nullptr && plan.sum()->doppler)
+    for (const std::string& warning : doppler_warnings(plan.settings(), plan.sum()->doppler->velocity()))
+      descriptor.add_warnings(warning);
   const WorldFrame& frame = plan.scene().world().frame;
   for (const std::string& warning : {refraction_warning(plan), steep_beam_warning(plan)})
     if (!warning.empty()) descriptor.add_warnings(warning);

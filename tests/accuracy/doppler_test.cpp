@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -203,6 +204,65 @@ TEST_F(OverLevelGround, ModesHaveTheSameBitsForAnyThreadsAndInAnyParts) {
         }
         EXPECT_NEAR(iq / power, 1, 0.12);
       }
+}
+
+TEST_F(OverLevelGround, HardCasesAreFiniteAndTheSameAgain) {
+  const struct {
+    const char* name;
+    double v_m_s, psi_deg, up_m_s;
+    std::function<void(RadarSettings&)> change;
+  } kCases[] = {
+      {"standing", 0, 0, 0, [](RadarSettings&) {}},
+      {"straight down", 0, 0, -300, [](RadarSettings&) {}},
+      {"towards the middle", 150, 0, 0, [](RadarSettings&) {}},
+      {"away from it", 150, 180, 0, [](RadarSettings&) {}},
+      {"all round", 150, 45, 0, [](RadarSettings& s) { s.sector_deg = 360; }},
+      {"all round, a wide beam", 150, 45, 0,
+       [](RadarSettings& s) {
+         s.sector_deg = 360;
+         s.azimuth_bins = 400;
+         s.doppler.pulses = 8;
+         s.beam.width_deg = 90;
+         s.beam.extent_deg = 180;
+       }},
+      {"PRF at half the ridge", 150, 90, 0, [](RadarSettings& s) { s.pulse.prf_hz = 246.262; }},
+      {"PRF of 1 MHz", 150, 90, 0, [](RadarSettings& s) { s.pulse.prf_hz = 1e6; }},
+      {"two pulses", 150, 90, 0, [](RadarSettings& s) { s.doppler.pulses = 2; }},
+      {"20 km/s", 20e3, 90, 0, [](RadarSettings& s) { s.pulse.prf_hz = 1e6; }},
+      {"from straight below on", 150, 60, 0, [](RadarSettings& s) { s.r_min_m = 0; }},
+      {"Blackman and Harris", 150, 60, 0,
+       [](RadarSettings& s) { s.doppler.window = DopplerWindow::blackman_harris; }},
+      {"Taylor", 150, 60, 0, [](RadarSettings& s) { s.doppler.window = DopplerWindow::taylor; }},
+      {"wind of a storm", 150, 60, 0, [](RadarSettings& s) { s.atmosphere.wind_m_s = 60; }},
+  };
+  for (const auto& hard : kCases)
+    for (const RadarMode mode : {RadarMode::mti, RadarMode::dbs})
+      for (const ScanMode scan : {ScanMode::frame, ScanMode::sector}) {
+        fly(hard.v_m_s, hard.psi_deg, hard.up_m_s);
+        RadarSettings s = radar(mode);
+        s.scan_mode = scan;
+        s.doppler.clutter_lock = true;
+        s.doppler.canceller = 3;
+        s.speckle = SpeckleKind::automatic;
+        hard.change(s);
+        const Frame frame = scene_.bare(s);
+        for (std::size_t k = 0; k < frame.bins.iq.size(); ++k) {
+          ASSERT_TRUE(std::isfinite(frame.bins.power_w[k]) && frame.bins.power_w[k] >= 0) << hard.name;
+          ASSERT_TRUE(std::isfinite(std::norm(frame.bins.iq[k]))) << hard.name;
+        }
+        expect_same_bits(frame.bins, scene_.bare(s).bins);
+      }
+}
+
+TEST_F(OverLevelGround, WithoutVelocityAModeIsThatOfAnAntennaThatStands) {
+  // A pose without a velocity among others: no old one is kept.
+  RadarSettings s = radar(RadarMode::dbs);
+  const Frame still = scene_.bare(s);
+  fly(150, 60);
+  const Frame moving = scene_.bare(s);
+  scene_.pose().settings.clear_velocity();
+  expect_same_bits(still.bins, scene_.bare(s).bins);
+  EXPECT_FALSE(same_bits(still.bins.power_w, moving.bins.power_w));
 }
 
 }  // namespace

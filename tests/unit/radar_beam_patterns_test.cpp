@@ -244,7 +244,7 @@ TEST(AntennaGain, OfASharpFrameHasTheBeamsWidthDownToStraightBelow) {
   AntennaGain::View view;
   view.greatest_sine = 0;
   const AntennaGain gain(s, view, &widths);
-  ASSERT_TRUE(gain.has_widths());
+  ASSERT_TRUE(gain.keeps_elevation());
   constexpr int kParts = 1 << 20;
   double sum = 0;
   for (int k = 0; k < kParts; ++k) {

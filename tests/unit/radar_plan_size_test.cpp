@@ -52,6 +52,10 @@ class Draw {
     s.pulse.kind = one_of(PulseKind::compressed);
     s.pulse.length_us = real(0.1, 20);
     s.pulse.extent_bins = whole(1, 60);
+    s.mode = one_of(RadarMode::dbs);
+    s.doppler.pulses = whole(2, 200);
+    s.doppler.canceller = whole(1, 3);
+    s.doppler.clutter_lock = coin();
     return s;
   }
 
@@ -87,7 +91,9 @@ TEST_F(PlanSize, IsNeverLessThanThatOfAPlanThatIsMade) {
     const std::int64_t before = in_use();
     AntennaAxes axes;
     if (!s.beam.stabilised) axes = {draw.real(-1, 1), draw.real(-1, 1), draw.real(-3, 3)};
-    const auto plan = plan_echo(s, {height_m, draw.coin() ? height_m : 0, axes}, errors);
+    EchoPlace place{height_m, draw.coin() ? height_m : 0, axes};
+    place.velocity = {draw.real(-700, 700), draw.real(-700, 700), draw.real(-100, 100)};
+    const auto plan = plan_echo(s, place, errors);
     if (!plan) continue;
     const std::int64_t plan_bytes = in_use() - before;
     const EchoSums sums(*plan);

@@ -5,7 +5,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "server/radar/doppler/canceller.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 
@@ -23,7 +22,9 @@ DopplerRows::DopplerRows(const EchoPlan& plan)
     : plan_(plan),
       stride_(sharp_stride(plan)),
       kept_(static_cast<std::size_t>(
-          std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))) {}
+          std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))),
+      outputs_(kWedgeAzimuthBins),
+      zeros_(stride_) {}
 
 void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row, Voltages voltages,
                        std::uint64_t key) {
@@ -31,6 +32,8 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
   firsts_.clear();
   seconds_.clear();
   moving_.clear();
+  re_.clear();
+  im_.clear();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
     Row& row = kept_[place_of(first_row + static_cast<int>(k))];
@@ -47,7 +50,12 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
     firsts_.push_back(row.first.data());
     seconds_.push_back(row.second.data());
     if (!row.moving.empty()) moving_.push_back(row.moving.data());
+    re_.push_back(row.re.data());
+    im_.push_back(row.im.data());
   }
+  const auto all = static_cast<std::size_t>(plan_.rows_of(kWedgeAzimuthBins));
+  for (auto* const rows_of : {&firsts_, &seconds_, &re_, &im_}) rows_of->resize(all, zeros_.data());
+  if (!moving_.empty()) moving_.resize(all, zeros_.data());
 }
 
 std::size_t DopplerRows::place_of(int row) const {
@@ -55,8 +63,10 @@ std::size_t DopplerRows::place_of(int row) const {
   return static_cast<std::size_t>((row % n + n) % n);
 }
 
-void DopplerRows::place_output(int azimuth) {
-  place(output_, plan_.doppler->level_sine().data(), plan_.output_middle_rad(azimuth));
+void DopplerRows::place_outputs(int first_azimuth) {
+  for (int o = 0; o < kWedgeAzimuthBins; ++o)
+    place(outputs_[static_cast<std::size_t>(o)], plan_.doppler->level_sine().data(),
+          plan_.output_middle_rad(first_azimuth + o));
 }
 
 void DopplerRows::place(Row& row, const float* sine, double azimuth_rad) const {
@@ -113,7 +123,17 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
     ask(kDrawWork * n);
     row.iq = row.own_iq.data();
   }
-  if (!plan_.doppler->is_of_rows()) return;
+  if (plan_.doppler->is_of_beam()) return;
+  if (!plan_.doppler->is_of_rows()) {
+    if (row.iq == nullptr) return;
+    row.re.resize(stride_);
+    row.im.resize(stride_);
+    for (std::size_t m = 0; m < stride_; ++m) {
+      row.re[m] = row.iq[2 * m];
+      row.im[m] = row.iq[2 * m + 1];
+    }
+    return;
+  }
   row.own_power.resize(stride_);
   if (row.iq != nullptr) row.own_iq.resize(2 * stride_);
   cancel(row, row.power, row.iq, row.own_power.data(), row.own_iq.data());
@@ -139,11 +159,11 @@ MovingEchoes DopplerRows::moving_echoes() const {
 void DopplerRows::cancel(const Row& row, const float* power, const float* iq, float* out_power,
                          float* out_iq) const {
   ask(kCancelWork * static_cast<std::int64_t>(stride_));
-  const int delays = plan_.doppler->delays();
-  active_kernels().cancel_row({static_cast<int>(stride_), delays,
-                               static_cast<float>(1 / canceller_noise_gain(delays)), row.first.data(),
-                               row.second.data(), power, row.moving.empty() ? nullptr : row.moving.data(),
-                               moving_echoes(), iq, out_power, out_iq});
+  const DopplerPlan& doppler = *plan_.doppler;
+  active_kernels().cancel_row({static_cast<int>(stride_), doppler.delays(),
+                               static_cast<float>(doppler.over_noise_root()), row.first.data(), power,
+                               row.moving.empty() ? nullptr : row.moving.data(), moving_echoes(), iq,
+                               out_power, out_iq});
 }
 
 }  // namespace obliq

@@ -27,7 +27,11 @@ class DopplerRows {
   // Of row k of those taken; behind its own canceller where plan.doppler->is_of_rows().
   const float* power(std::size_t k) const { return rows_[k]->power; }
   const float* iq(std::size_t k) const { return rows_[k]->iq; }
-  /// Of all taken: sine and cosine of half the turns (mti), or cells and nothing.
+  /// Else, of all taken, apart.
+  const float* const* re() const { return re_.data(); }
+  const float* const* im() const { return im_.data(); }
+  /// Of all taken, and of dark rows behind them: sine and cosine of half the turns (mti), or cells and
+  /// nothing.
   const float* const* firsts() const { return firsts_.data(); }
   const float* const* seconds() const { return seconds_.data(); }
   /// Of their power, what moves in the wind; null: nothing does.
@@ -35,11 +39,15 @@ class DopplerRows {
   /// Another power of row k, of a label, behind the same canceller; until the next call for k.
   const float* filtered(std::size_t k, const float* power);
 
-  /// The same of an output azimuth over level ground.
-  void place_output(int azimuth);
+  /// The same of output azimuths over level ground, kWedgeAzimuthBins from the first on.
+  void place_outputs(int first_azimuth);
   MovingEchoes moving_echoes() const;
-  const float* output_first() const { return output_.first.data(); }
-  const float* output_second() const { return output_.second.data(); }
+  const float* output_first(int output) const {
+    return outputs_[static_cast<std::size_t>(output)].first.data();
+  }
+  const float* output_second(int output) const {
+    return outputs_[static_cast<std::size_t>(output)].second.data();
+  }
 
  private:
   struct Row {
@@ -49,7 +57,7 @@ class DopplerRows {
     const float* power = nullptr;
     const float* iq = nullptr;
     std::vector<float> first, second;
-    std::vector<float> own_power, own_iq, other_power, moving;
+    std::vector<float> own_power, own_iq, re, im, other_power, moving;
   };
   std::size_t place_of(int row) const;
   void place(Row& row, const float* sine, double azimuth_rad) const;
@@ -61,8 +69,9 @@ class DopplerRows {
   const std::size_t stride_;
   std::vector<Row> kept_;   // by their number, on and on
   std::vector<Row*> rows_;  // those taken
-  std::vector<const float*> firsts_, seconds_, moving_;
-  Row output_;
+  std::vector<const float*> firsts_, seconds_, moving_, re_, im_;
+  std::vector<Row> outputs_;
+  std::vector<float> zeros_;  // a row without ground
 };
 
 }  // namespace obliq

@@ -47,6 +47,8 @@ constexpr std::int64_t kSineBytesABin = 4;
 constexpr std::int64_t kWidthsBytes = 512 * sizeof(double) + 128;
 /// An antenna so high sees all its ground steeply; one on the ground, none.
 const EchoPlace kHigh{std::numeric_limits<double>::infinity(), 0, {}};
+/// Below it an image of synthetic aperture would take for ever.
+constexpr double kLeastAcross_m_s = 0.1;
 /// Of what flies in the air.
 constexpr double kFast_m_s = 1000;
 /// Any that leans, as any height does, sees all azimuths at any scan angle from there.
@@ -272,6 +274,16 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   const EchoLayout layout = lay_out_echo(s, AzimuthPattern(s), place);
   EchoSize size;
   size.sharp = ground_frame(s, layout);
+  if (uses_doppler(s)) {
+    // Of a slower antenna, whose sharp bins are wider: each with one plane more at most, and four halos of
+    // whole wedges.
+    const double outputs = std::ceil(static_cast<double>(size.sharp.azimuth_bins) / layout.azimuth_parts) +
+                           6 * kWedgeAzimuthBins;
+    const double columns = s.frustum == FrustumKind::sweep
+                               ? sweep_columns_per_bin(s) + layout.azimuth_parts - 1.0
+                               : static_cast<double>(s.pixel_columns) / s.azimuth_bins;
+    size.sharp.pixel_columns = std::max(size.sharp.pixel_columns, counted(std::ceil(columns * outputs)));
+  }
   size.n_taps = layout.n_taps();
   size.n_kernels = layout.n_kernels;
   size.n_tiles = layout.n_tiles();
@@ -294,13 +306,14 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
 
   if (uses_doppler(s)) {
     // DopplerRows: Doppler, I&Q and powers of the rows in hand. DopplerPlan, polynomials of a canceller.
-    constexpr std::int64_t kRowFloats = 6;
-    size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 1)) *
+    constexpr std::int64_t kRowFloats = 8;
+    const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
+    size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
                        (kRowFloats * kFloat * layout.stride() + 200);
-    size.plan_bytes +=
-        4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
-        grown_bytes(layout.stride(), sizeof(double)) + grown_bytes(layout.stride(), kFloat) +
-        grown_bytes(DopplerResponse::kStepsACell * std::max(1024, s.doppler.pulses) / 2, kFloat);
+    size.plan_bytes += 4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
+                       grown_bytes(layout.stride(), sizeof(double)) + grown_bytes(layout.stride(), kFloat) +
+                       grown_bytes(DopplerResponse::n_steps(cells), kFloat) +
+                       grown_bytes(DopplerResponse::n_terms(cells), kFloat);
   }
 
   // An output wedge's, those of the next ones that are in hand, and lists of both.
@@ -330,22 +343,32 @@ namespace {
 std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout& layout,
                                         const EchoPlace& place) {
   const std::string speed = fmt::format("{:.4g}", place.velocity.level_m_s()) + " m/s";
-  if (s.mode == RadarMode::sar && !(place.velocity.across_m_s(0) > 0))
+  if (s.mode == RadarMode::sar && place.velocity.across_m_s(0) < kLeastAcross_m_s)
     return FieldError{"radar.mode",
                       "\"sar\" of an antenna that does not fly across its line of sight (" + speed + ")",
                       "poses with a velocity across the sector's middle, or another mode"};
   if (!uses_doppler(s) || s.mode == RadarMode::sar || layout.wanted_parts <= kMostSubBins)
     return std::nullopt;
-  const double share = static_cast<double>(layout.wanted_parts) / kMostSubBins;
-  std::string allowed = "bins.azimuth = " + std::to_string(counted(std::ceil(s.azimuth_bins * share)));
-  if (s.mode == RadarMode::dbs)
-    allowed += ", at most " + std::to_string(std::max(2, counted(s.doppler.pulses / share))) + " pulses";
-  return FieldError{
-      s.mode == RadarMode::dbs ? "doppler.pulses" : "pulse.prf_hz",
-      (s.mode == RadarMode::dbs ? std::to_string(s.doppler.pulses) + " pulses" : "a canceller") + " at " +
-          fmt::format("{:.6g}", s.pulse.prf_hz) + " Hz and " + speed +
-          " with bins.azimuth = " + std::to_string(s.azimuth_bins),
-      allowed + " or pulse.prf_hz = " + fmt::format("{:.6g}", std::ceil(s.pulse.prf_hz * share))};
+  // B + 3 rows a beamwidth, of which there may be so many; B goes with the time.
+  const double across_m_s = place.velocity.most_across_m_s(s.sector_deg * kPi / 180);
+  const double beam_rad = narrowest_beam_rad(s);
+  const double wanted = rows_a_beamwidth(s, beam_rad, across_m_s);
+  const double most = kMostSubBins * beam_rad / s.azimuth_bin_rad();
+  const double cells = cells_in_beam(s, beam_rad, across_m_s);
+  const double most_cells = cells - (wanted - most);
+  std::string allowed =
+      "bins.azimuth = " + std::to_string(counted(std::ceil(s.azimuth_bins * wanted / most)));
+  if (most_cells > 0) {
+    const int pulses = counted(s.doppler.pulses * most_cells / cells);
+    if (s.mode == RadarMode::dbs && pulses >= 2) allowed += ", at most " + std::to_string(pulses) + " pulses";
+    allowed += fmt::format(", or pulse.prf_hz = {:.6g}", std::ceil(s.pulse.prf_hz * cells / most_cells));
+  }
+  const std::string what =
+      s.mode == RadarMode::dbs ? std::to_string(s.doppler.pulses) + " pulses" : std::string("a canceller");
+  return FieldError{s.mode == RadarMode::dbs ? "doppler.pulses" : "pulse.prf_hz",
+                    what + fmt::format(" at {:.6g} Hz and ", s.pulse.prf_hz) + speed +
+                        " with bins.azimuth = " + std::to_string(s.azimuth_bins),
+                    allowed};
 }
 
 }  // namespace

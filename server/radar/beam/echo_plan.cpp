@@ -124,7 +124,7 @@ struct Planner {
     const auto all = static_cast<std::size_t>(layout.n_kernels) * static_cast<std::size_t>(kernels.length);
     fill(kernels.voltage, all, 0.0F);
     fill(kernels.power, all, 0.0F);
-    if (plan.doppler && plan.doppler->is_canceller() && !plan.doppler->is_of_rows())
+    if (plan.doppler && plan.doppler->turn_rad() != 0 && !plan.doppler->is_of_beam())
       fill(kernels.cancelled, 4 * all, 0.0F);
     for (int tile = 0; tile < layout.n_tiles(); ++tile) {
       const double from_m = plan.sharp.r_min_m + tile * EchoPlan::kTile * sharp_range_m;
@@ -137,7 +137,6 @@ struct Planner {
       const int n = s.mode == RadarMode::sar ? plan.n_taps : 1;
       std::fill_n(kernels.voltage.begin() + kernels.pad, n, 1.0F);
       std::fill_n(kernels.power.begin() + kernels.pad, n, 1.0F);
-      if (!kernels.cancelled.empty()) add_cancelled(0, 0, 1, 1, [](int, int) { return 1.0; });
       return;
     }
     const BeamOnGround beam(pattern, layout.turn_rad, layout.azimuth_rad);
@@ -146,21 +145,16 @@ struct Planner {
     for (int k = 0; k < layout.n_kernels; ++k) add_kernel(beam, k);
   }
 
-  /// Of taps [first, end) of a set; gain: of a tap, so many pulses before.
+  /// A tap behind the canceller of an antenna that turns; gain: of it so many pulses before.
   template <typename Gain>
-  void add_cancelled(int step, int first, int end, double scale, const Gain& gain) {
+  std::vector<double> cancelled_tap(const Gain& gain) const {
     const int delays = plan.doppler->delays();
-    scale /= std::sqrt(canceller_noise_gain(delays));
-    for (int tap = first; tap < end; ++tap) {
-      ask(kFunction * (delays + 1));
-      std::vector<double> gains;
-      for (int k = 0; k <= delays; ++k) gains.push_back(gain(tap, k));
-      const auto at = static_cast<std::size_t>(step) * static_cast<std::size_t>(plan.kernels.length) +
-                      static_cast<std::size_t>(plan.kernels.pad + tap);
-      const std::vector<double> in_u = canceller_in_u(gains);
-      for (std::size_t p = 0; p < in_u.size(); ++p)
-        plan.kernels.cancelled[4 * at + p] = static_cast<float>(in_u[p] * scale);
-    }
+    ask(kFunction * (delays + 1));
+    std::vector<double> gains;
+    for (int k = 0; k <= delays; ++k) gains.push_back(gain(k));
+    std::vector<double> in_u = canceller_in_u(gains);
+    for (double& term : in_u) term *= plan.doppler->over_noise_root();
+    return in_u;
   }
 
   void add_kernel(const BeamOnGround& beam, int step) {
@@ -179,16 +173,22 @@ struct Planner {
     plan.kernels.unused.push_back(unused);
     if (!(squares > 0)) return;
     const double scale = 1 / std::sqrt(squares * width_rad);
-    if (!plan.kernels.cancelled.empty())
-      add_cancelled(step, unused, plan.n_taps - unused, scale, [&](int tap, int pulses_before) {
-        const double turned_rad = pulses_before * plan.doppler->turn_rad();
-        return beam.gain((plan.first_tap + tap - middle) * width_rad + turned_rad, cosine);
-      });
+    const bool turns = plan.doppler && plan.doppler->turn_rad() != 0;
     auto at = static_cast<std::size_t>(step) * static_cast<std::size_t>(plan.kernels.length) +
               static_cast<std::size_t>(plan.kernels.pad + unused);
-    for (const double gain : gains) {
-      plan.kernels.voltage[at] = static_cast<float>(gain * scale);
-      plan.kernels.power[at++] = static_cast<float>(gain * scale * (gain * scale));
+    for (int j = unused; j < plan.n_taps - unused; ++j, ++at) {
+      double weight = gains[static_cast<std::size_t>(j - unused)];
+      if (turns) {
+        const auto terms = cancelled_tap([&](int pulses_before) {
+          const double turned_rad = pulses_before * plan.doppler->turn_rad();
+          return beam.gain((plan.first_tap + j - middle) * width_rad + turned_rad, cosine);
+        });
+        if (plan.doppler->is_of_beam()) weight = terms.front();
+        for (std::size_t p = 0; !plan.kernels.cancelled.empty() && p < terms.size(); ++p)
+          plan.kernels.cancelled[4 * at + p] = static_cast<float>(terms[p] * scale);
+      }
+      plan.kernels.voltage[at] = static_cast<float>(weight * scale);
+      plan.kernels.power[at] = static_cast<float>(weight * scale * (weight * scale));
     }
   }
 };

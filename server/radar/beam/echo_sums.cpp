@@ -157,19 +157,18 @@ void EchoSums::sum_azimuths(std::initializer_list<Kind> kinds, const BinBlock& b
     ask(static_cast<std::int64_t>(taps_at_.size()));
   };
   const std::size_t tiles = plan_.steepest.size();
-  if (!doppler_ || plan_.doppler->is_of_rows()) {
+  if (!doppler_ || plan_.doppler->shares_weights()) {
     for (std::size_t tile = 0; tile < tiles; ++tile) {
       place_rows(tile);
       sum_shared(kinds, tile, bins.n_azimuth);
     }
     return;
   }
-  for (int output = 0; output < bins.n_azimuth; ++output) {
-    doppler_->place_output(bins.first_azimuth + output);
-    for (std::size_t tile = 0; tile < tiles; ++tile) {
-      place_rows(tile);
+  doppler_->place_outputs(bins.first_azimuth);
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    place_rows(tile);
+    for (int output = 0; output < bins.n_azimuth; output += WeighedRows::kOutputs)
       sum_doppler(kinds, tile, output);
-    }
   }
 }
 
@@ -213,35 +212,69 @@ void EchoSums::sum_shared(std::initializer_list<Kind> kinds, std::size_t tile, i
 /// Each bin of each row has a weight of its own.
 void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, int output) {
   constexpr int kWeights = 16;  // work of one, in products
-  const RowSpan span = weighing(tile, output, 1);
+  const RowSpan span = weighing(tile, output, WeighedRows::kOutputs);
   const auto first = static_cast<std::size_t>(span.first);
   WeighedRows rows{zero_rows_.data(),
                    nullptr,
+                   nullptr,
                    span.n,
+                   plan_.azimuth_parts,
                    taps_at_.data() + first,
                    span.begin,
                    static_cast<int>(tile) * EchoPlan::kTile,
                    EchoPlan::kTile,
-                   out_row(kPower, output),
-                   out_row(kIq, output)};
-  for (const auto& [kind, of_kind] : kinds) (kind == kIq ? rows.iq : rows.power) = of_kind->data() + first;
-  ask(std::int64_t{span.n} * EchoPlan::kTile * kWeights / kProducts);
+                   {},
+                   {}};
+  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
+    rows.out_power[o] = out_row(kPower, output + o);
+    rows.out_iq[o] = out_row(kIq, output + o);
+  }
+  for (const auto& [kind, of_kind] : kinds) {
+    if (kind == kPower) rows.power = of_kind->data() + first;
+    if (kind == kIq) rows.re = doppler_->re() + first;
+    if (kind == kIq) rows.im = doppler_->im() + first;
+  }
+  ask(std::int64_t{span.n} * WeighedRows::kOutputs * EchoPlan::kTile * kWeights / kProducts);
   const DopplerPlan& doppler = *plan_.doppler;
-  if (doppler.is_canceller()) {
-    const float* const* const moving = doppler_->moving();
-    active_kernels().cancelled_sum(
-        {rows, plan_.kernels.cancelled.data(), doppler_->firsts() + first, doppler_->seconds() + first,
-         doppler.has_lock() ? doppler_->output_first() : nullptr, doppler_->output_second(), doppler.delays(),
-         moving == nullptr ? nullptr : moving + first, plan_.kernels.power.data(),
-         doppler_->moving_echoes()});
+  const float* const* const sin = doppler_->firsts() + first;
+  const float* const* const cos = doppler_->seconds() + first;
+  const float* const* moving = doppler_->moving();
+  if (moving != nullptr) moving += first;
+  const AzimuthKernels& kernels = plan_.kernels;
+  if (!doppler.is_canceller()) {
+    SharpenedSum sum{rows, kernels.voltage.data(),     sin,
+                     {},   doppler.response().table(), static_cast<float>(doppler.response().period_cells())};
+    for (int o = 0; o < WeighedRows::kOutputs; ++o) sum.output_cells[o] = doppler_->output_first(output + o);
+    active_kernels().sharpened_sum(sum);
     return;
   }
-  const DopplerResponse& response = doppler.response();
-  const int period = response.period_cells();
-  active_kernels().sharpened_sum(
-      {rows, plan_.kernels.voltage.data(), doppler_->firsts() + first, doppler_->output_first(),
-       response.table().data(), static_cast<float>(DopplerResponse::kStepsACell),
-       static_cast<float>(response.table().size() - 2), static_cast<float>(period), period % 2 == 0});
+  const MovingEchoes echoes = doppler_->moving_echoes();
+  const auto lock = [&](auto& sum) {
+    for (int o = 0; doppler.has_lock() && o < WeighedRows::kOutputs; ++o) {
+      sum.output_sin[o] = doppler_->output_first(output + o);
+      sum.output_cos[o] = doppler_->output_second(output + o);
+    }
+  };
+  if (kernels.cancelled.empty()) {
+    LockedSum sum{rows,
+                  kernels.voltage.data(),
+                  sin,
+                  cos,
+                  {},
+                  {},
+                  doppler.delays(),
+                  static_cast<float>(doppler.over_noise_root()),
+                  moving,
+                  kernels.power.data(),
+                  echoes};
+    lock(sum);
+    active_kernels().locked_sum(sum);
+  } else {
+    CancelledSum sum{rows,   kernels.cancelled.data(), sin,   cos, {}, {}, doppler.delays(),
+                     moving, kernels.power.data(),     echoes};
+    lock(sum);
+    active_kernels().cancelled_sum(sum);
+  }
 }
 
 float* EchoSums::out_row(int kind, int output) {

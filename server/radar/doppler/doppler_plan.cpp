@@ -40,6 +40,8 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
   }
 }
 
+double DopplerPlan::over_noise_root() const { return 1 / std::sqrt(canceller_noise_gain(delays_)); }
+
 double DopplerPlan::turns_a_hz(double range_m) const {
   switch (mode_) {
     case RadarMode::mti:
@@ -60,8 +62,12 @@ std::complex<double> DopplerPlan::weight(double hz, double range_m, const SinCos
   const bool follows = !is_canceller() || has_lock_;
   const double middle_hz = follows ? ground_.hz(output, level_sine(range_m)) : 0;
   const double turns = (hz - middle_hz) * turns_a_hz(range_m);
-  if (is_canceller()) return cancelled(canceller_in_u(gains), canceller_u(turns));
-  return gains.front() * response_.at(turns);
+  if (!is_canceller()) return gains.front() * response_.at(turns);
+  const SinCos half = sincos_turns(turns / 2);
+  // As at the middle of the pulses.
+  if (turn_rad_ == 0) return gains.front() * std::pow(2 * half.sin, delays_) * over_noise_root();
+  return cancelled(canceller_in_u(gains), canceller_u(turns)) *
+         std::pow(std::complex<double>(half.cos, half.sin), delays_);
 }
 
 }  // namespace obliq

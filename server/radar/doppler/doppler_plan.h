@@ -36,7 +36,14 @@ class DopplerPlan {
   /// Rows are filtered by themselves, whatever output they count for: an antenna that does not turn while it
   /// cancels, and a notch that stays.
   bool is_of_rows() const { return is_canceller() && !has_lock_ && turn_rad_ == 0; }
-
+  /// Ground that stands still under an antenna that only turns: a canceller is a matter of the beam alone.
+  bool is_of_beam() const {
+    return is_canceller() && turn_rad_ != 0 && velocity_.is_zero() && windy_.empty();
+  }
+  /// All rows have the same weights, from each output's own on.
+  bool shares_weights() const { return is_of_rows() || is_of_beam(); }
+  /// Of what a canceller gains of noise.
+  double over_noise_root() const;
   /// Materials of which a share moves in the wind, and what the canceller leaves of that (moving_residue).
   const std::vector<int>& windy() const { return windy_; }
   double moving_share() const { return moving_share_; }

@@ -12,6 +12,7 @@ namespace {
 constexpr double kTaylorSidelobe_db = 30;
 constexpr int kTaylorNbar = 4;
 constexpr int kFunction = 100;  // in units of ask()
+constexpr int kStepsACell = DopplerTable::kStepsACell;
 
 }  // namespace
 
@@ -39,30 +40,58 @@ double doppler_noise_factor(const RadarSettings& settings) {
 DopplerResponse::DopplerResponse(const RadarSettings& settings) {
   const Taper taper = doppler_taper(settings.doppler);
   const bool is_sar = settings.mode == RadarMode::sar;
-  const double end_cells = is_sar ? kSarCells : settings.doppler.pulses / 2.0;
-  period_cells_ = is_sar ? 0 : settings.doppler.pulses;
+  const double end_cells = is_sar ? kSarCells : settings.doppler.pulses;
+  period_cells_ = is_sar ? 0 : 2 * settings.doppler.pulses;
   const auto steps = static_cast<int>(std::ceil(end_cells * kStepsACell));
+  std::vector<double> values;  // of each step
   for (int k = 0; k <= steps; ++k) {
     if (k % kStepsACell == 0) ask(kFunction * kStepsACell);
     const double u = static_cast<double>(k) / kStepsACell;
-    table_.push_back(static_cast<float>(is_sar ? taper.transform(u) : taper.sampled(u, period_cells_)));
+    values.push_back(is_sar ? taper.transform(u) : taper.sampled(u, settings.doppler.pulses));
   }
-  // Behind the end: what is looked up between the last two.
-  table_.push_back(is_sar ? 0.0F : table_.back());
-  if (is_sar) table_[table_.size() - 2] = 0;
+  if (is_sar) values.back() = 0;
+  steps_.reserve(values.size() + 1);
+  steps_.assign(values.begin(), values.end());
+  steps_.push_back(steps_.back());
+  add_polynomials(values, !is_sar);
+}
+
+/// Each through the five values from two steps of polynomials before it to two behind it.
+void DopplerResponse::add_polynomials(const std::vector<double>& values, bool goes_on) {
+  constexpr std::ptrdiff_t kEach = kStepsACell / DopplerTable::kPolynomialsACell;
+  const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
+  const auto value = [&](std::ptrdiff_t k) {
+    k = std::abs(k);
+    if (k > last) return goes_on ? values[static_cast<std::size_t>(2 * last - k)] : 0.0;
+    return values[static_cast<std::size_t>(k)];
+  };
+  for (std::ptrdiff_t k = 0; k <= last; k += kEach) {
+    // Newton's differences about the middle (Stirling's formula), in steps of polynomials.
+    const double m2 = value(k - 2 * kEach), m1 = value(k - kEach), at = value(k), p1 = value(k + kEach),
+                 p2 = value(k + 2 * kEach);
+    const double first = (8 * (p1 - m1) - (p2 - m2)) / 12;
+    const double second = (16 * (p1 + m1) - (p2 + m2) - 30 * at) / 24;
+    const double third = ((p2 - m2) - 2 * (p1 - m1)) / 12;
+    const double fourth = ((p2 + m2) - 4 * (p1 + m1) + 6 * at) / 24;
+    double scale = 1;
+    for (const double term : {at, first, second, third, fourth}) {
+      polynomials_.push_back(static_cast<float>(term * scale));
+      scale *= DopplerTable::kPolynomialsACell;
+    }
+  }
+}
+
+DopplerTable DopplerResponse::table() const {
+  return {steps_.data(), static_cast<float>(steps_.size() - 2), polynomials_.data(),
+          static_cast<int>(polynomials_.size() / DopplerTable::kTerms) - 1};
 }
 
 double DopplerResponse::at(double cells) const {
-  double sign = 1;
-  if (period_cells_ > 0) {
-    const double periods = std::nearbyint(cells / period_cells_);
-    cells -= periods * period_cells_;
-    if (period_cells_ % 2 == 0 && std::remainder(periods, 2) != 0) sign = -1;
-  }
-  const double steps = std::min(std::abs(cells) * kStepsACell, static_cast<double>(table_.size() - 2));
+  if (period_cells_ > 0) cells -= std::nearbyint(cells / period_cells_) * period_cells_;
+  const double steps = std::min(std::abs(cells) * kStepsACell, static_cast<double>(steps_.size() - 2));
   const auto k = static_cast<std::size_t>(steps);
-  const double low = static_cast<double>(table_[k]);
-  return sign * (low + (steps - static_cast<double>(k)) * (static_cast<double>(table_[k + 1]) - low));
+  const double low = static_cast<double>(steps_[k]);
+  return low + (steps - static_cast<double>(k)) * (static_cast<double>(steps_[k + 1]) - low);
 }
 
 }  // namespace obliq

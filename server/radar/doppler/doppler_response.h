@@ -1,9 +1,11 @@
 #pragma once
 // What a Doppler filter makes of an echo beside its middle.
+#include <cstdint>
 #include <vector>
 
 #include "server/radar/beam/taper.h"
 #include "server/radar/settings.h"
+#include "server/radar/simd/doppler_sums.h"
 
 namespace obliq {
 
@@ -15,23 +17,30 @@ double doppler_noise_factor(const RadarSettings& settings);
 
 /// D(u) = sum of w_n cos(2 pi u (n - (N - 1)/2) / N) over sum of w_n, n from 0 to N - 1: real and even, 1 at
 /// u = 0 cells, again after N cells but for its sign where N is even. Without pulses, of synthetic aperture,
-/// the transform of the weights itself, as far as kSarCells. A table, linear between its steps.
+/// the transform of the weights itself, as far as kSarCells. A table, linear between its steps, of a whole
+/// period.
 class DopplerResponse {
  public:
-  static constexpr int kStepsACell = 64;
   static constexpr double kSarCells = 24;
 
   explicit DopplerResponse(const RadarSettings& settings);
 
   double at(double cells) const;
-  /// [n + 2]; from 0 on.
-  const std::vector<float>& table() const { return table_; }
-  /// Cells after which it begins anew; 0: it ends with the table.
+  // Numbers of a table of so many cells.
+  static std::int64_t n_steps(std::int64_t cells) { return cells * DopplerTable::kStepsACell + 2; }
+  static std::int64_t n_terms(std::int64_t cells) {
+    return DopplerTable::kTerms * (cells * DopplerTable::kPolynomialsACell + 1);
+  }
+  DopplerTable table() const;
+  /// Cells after which it begins anew, and is even about the middle, where the table ends; 0: it ends there.
   int period_cells() const { return period_cells_; }
 
  private:
+  void add_polynomials(const std::vector<double>& values, bool goes_on);
+
   int period_cells_ = 0;
-  std::vector<float> table_;
+  std::vector<float> steps_;        // and one more
+  std::vector<float> polynomials_;  // [..][kTerms]
 };
 
 }  // namespace obliq

@@ -32,12 +32,27 @@ OBLIQ_INLINE f32x16 residue_of(const MovingEchoes& echoes, f32x16 sine) {
   return max(f32x16{}, echoes.still - 2.0F * (s2 * fall));
 }
 
-/// A weight of the same phase, by which a power becomes another.
+OBLIQ_INLINE f32x16 powered(f32x16 x, int n) {
+  f32x16 y = x;
+  for (int k = 1; k < n; ++k) y = y * x;
+  return y;
+}
+
+/// What a weight of square `square` is multiplied by, so that a power becomes another; 0 of no power.
+OBLIQ_INLINE f32x16 scale_to(f32x16 square, f32x16 from, f32x16 to) {
+  const auto has_power = from > 0.0F;
+  const f32x16 wanted = select(has_power, to / select(has_power, from, all_lanes(1.0F)), f32x16{});
+  return sqrt(wanted / select(square > 0.0F, square, all_lanes(1.0F)));
+}
+/// A weight of the same sign or phase, by which a power becomes another.
+OBLIQ_INLINE f32x16 weight_to(f32x16 weight, f32x16 from, f32x16 to) {
+  const f32x16 square = weight * weight;
+  return select(square > 0.0F, weight, all_lanes(1.0F)) * scale_to(square, from, to);
+}
 OBLIQ_INLINE ComplexLanes weight_to(ComplexLanes weight, f32x16 from, f32x16 to) {
   const f32x16 square = power_of(weight);
-  const f32x16 wanted = select(from > 0.0F, to / select(from > 0.0F, from, all_lanes(1.0F)), f32x16{});
+  const f32x16 scale = scale_to(square, from, to);
   const auto has_phase = square > 0.0F;
-  const f32x16 scale = sqrt(wanted / select(has_phase, square, all_lanes(1.0F)));
   return {select(has_phase, weight.re, all_lanes(1.0F)) * scale,
           select(has_phase, weight.im, f32x16{}) * scale};
 }
@@ -61,6 +76,35 @@ OBLIQ_INLINE void store_iq(float* iq, ComplexLanes v) {
   }
 }
 
+/// |cells| within the first half of the period.
+OBLIQ_INLINE f32x16 folded(const SharpenedSum& sum, f32x16 cells) {
+  cells = max(cells, f32x16{} - cells);
+  if (sum.period > 0 && any(cells > 0.5F * sum.period)) {
+    constexpr float kShift = 12582912.0F;  // 1.5 x 2^23: the nearest whole number of periods
+    cells -= ((cells * (1 / sum.period) + kShift) - kShift) * sum.period;
+    cells = max(cells, f32x16{} - cells);
+  }
+  return cells;
+}
+
+/// D of 16 neighbouring bins. Most lie near each other: within a quarter of a cell of one of a few
+/// polynomials.
+OBLIQ_INLINE f32x16 response_at(const SharpenedSum& sum, f32x16 signed_cells) {
+  const f32x16 cells = folded(sum, signed_cells);
+  const float middle = cells[kFloatLanes / 2];
+  const int k = static_cast<int>(middle * DopplerTable::kPolynomialsACell + 0.5F);
+  const f32x16 beside = cells - static_cast<float>(k) * (1.0F / DopplerTable::kPolynomialsACell);
+  if (k <= sum.table.last_polynomial && !any(beside * beside > 1.0F / 16)) {
+    const float* const a = sum.table.polynomials + DopplerTable::kTerms * k;
+    return a[0] + beside * (a[1] + beside * (a[2] + beside * (a[3] + beside * a[4])));
+  }
+  const f32x16 step =
+      min(cells * static_cast<float>(DopplerTable::kStepsACell), all_lanes(sum.table.last_step));
+  const i32x16 at = truncated(step);
+  const f32x16 low = gather(sum.table.steps, at);
+  return low + (step - floats_of(at)) * (gather(sum.table.steps + 1, at) - low);
+}
+
 }  // namespace
 
 void doppler_cells(const DopplerCells& to) {
@@ -78,102 +122,159 @@ void doppler_phasors(const DopplerPhasors& to) {
 void cancel_row(const CancelledRow& row) {
   for (int k = 0; k < row.n; k += kFloatLanes) {
     const f32x16 s = load_floats(row.sin + k);
-    const f32x16 c = load_floats(row.cos + k);
-    const ComplexLanes u{2.0F * s * s, 2.0F * s * c};
-    ComplexLanes power_of_u = u;
-    for (int d = 1; d < row.delays; ++d) power_of_u = times(power_of_u, u);
-    const float scale = __builtin_sqrtf(row.over_noise_gain);
-    ComplexLanes weight{power_of_u.re * scale, power_of_u.im * scale};
     const f32x16 power = load_floats(row.power + k);
-    f32x16 left = power * power_of(weight);
+    f32x16 weight = powered(2.0F * s, row.delays) * row.over_noise_root;
+    f32x16 left = power * (weight * weight);
     if (row.moving != nullptr) {
       const f32x16 moving = load_floats(row.moving + k);
-      left = (power - moving) * power_of(weight) + moving * residue_of(row.echoes, s);
+      left = (power - moving) * (weight * weight) + moving * residue_of(row.echoes, s);
       weight = weight_to(weight, power, left);
     }
     store(row.out_power + k, left);
-    if (row.iq != nullptr) store_iq(row.out_iq + 2 * k, times(load_iq(row.iq + 2 * k), weight));
+    if (row.iq == nullptr) continue;
+    const ComplexLanes iq = load_iq(row.iq + 2 * k);
+    store_iq(row.out_iq + 2 * k, {iq.re * weight, iq.im * weight});
   }
+}
+
+namespace {
+
+constexpr int kOutputs = WeighedRows::kOutputs;
+
+/// What outputs are summed up to, in one place of their rows.
+struct Totals {
+  f32x16 power[kOutputs] = {};
+  ComplexLanes iq[kOutputs] = {};
+
+  OBLIQ_INLINE void store_at(const WeighedRows& rows, int x) const {
+    for (int o = 0; o < kOutputs; ++o) {
+      store(rows.out_power[o] + x, power[o]);
+      if (rows.re != nullptr) store_iq(rows.out_iq[o] + 2 * x, iq[o]);
+    }
+  }
+};
+
+struct RowLanes {
+  f32x16 power, moving;
+  ComplexLanes iq;
+
+  OBLIQ_INLINE RowLanes(const WeighedRows& rows, const float* const* moves, int row, int x)
+      : power(load_floats(rows.power[row] + x)), moving{}, iq{} {
+    if (moves != nullptr) moving = load_floats(moves[row] + x);
+    if (rows.re != nullptr) iq = {load_floats(rows.re[row] + x), load_floats(rows.im[row] + x)};
+  }
+};
+
+OBLIQ_INLINE void add(Totals& totals, int o, const RowLanes& row, f32x16 weight, f32x16 power) {
+  totals.power[o] += power;
+  totals.iq[o].re += row.iq.re * weight;
+  totals.iq[o].im += row.iq.im * weight;
+}
+
+template <int delays, bool moves>
+OBLIQ_INLINE void locked_sum_of(const LockedSum& sum) {
+  const WeighedRows& rows = sum.rows;
+  for (int x = rows.first; x < rows.first + rows.n; x += kFloatLanes) {
+    Totals totals;
+    f32x16 output_sin[kOutputs], output_cos[kOutputs];
+    for (int o = 0; o < kOutputs; ++o) {
+      output_sin[o] = load_floats(sum.output_sin[o] + x);
+      output_cos[o] = load_floats(sum.output_cos[o] + x);
+    }
+    for (int k = 0; k < rows.n_rows; ++k) {
+      const RowLanes row(rows, moves ? sum.moving : nullptr, k, x);
+      const f32x16 row_sin = load_floats(sum.sin[k] + x);
+      const f32x16 row_cos = load_floats(sum.cos[k] + x);
+      std::int32_t at = rows.taps_at[k] - rows.skipped;
+#pragma GCC unroll 4
+      for (int o = 0; o < kOutputs; ++o, at -= rows.step) {
+        const f32x16 s = row_sin * output_cos[o] - row_cos * output_sin[o];
+        f32x16 weight = powered(2.0F * s, delays) * (sum.taps[at] * sum.over_noise_root);
+        f32x16 left = row.power * (weight * weight);
+        if constexpr (moves) {
+          left = (row.power - row.moving) * (weight * weight) +
+                 row.moving * (sum.power_taps[at] * residue_of(sum.echoes, s));
+          weight = weight_to(weight, row.power, left);
+        }
+        add(totals, o, row, weight, left);
+      }
+    }
+    totals.store_at(rows, x);
+  }
+}
+
+}  // namespace
+
+void locked_sum(const LockedSum& sum) {
+  const bool moves = sum.moving != nullptr;
+  if (sum.delays == 1) return moves ? locked_sum_of<1, true>(sum) : locked_sum_of<1, false>(sum);
+  if (sum.delays == 2) return moves ? locked_sum_of<2, true>(sum) : locked_sum_of<2, false>(sum);
+  return moves ? locked_sum_of<3, true>(sum) : locked_sum_of<3, false>(sum);
 }
 
 void cancelled_sum(const CancelledSum& sum) {
   const WeighedRows& rows = sum.rows;
   for (int x = rows.first; x < rows.first + rows.n; x += kFloatLanes) {
-    f32x16 power{};
-    ComplexLanes iq{};
-    f32x16 output_sin{};
-    f32x16 output_cos{};
-    if (sum.output_sin != nullptr) {
-      output_sin = load_floats(sum.output_sin + x);
-      output_cos = load_floats(sum.output_cos + x);
+    Totals totals;
+    f32x16 output_sin[kOutputs] = {}, output_cos[kOutputs];
+    for (int o = 0; o < kOutputs; ++o) {
+      output_cos[o] = all_lanes(1.0F);
+      if (sum.output_sin[o] == nullptr) continue;
+      output_sin[o] = load_floats(sum.output_sin[o] + x);
+      output_cos[o] = load_floats(sum.output_cos[o] + x);
     }
-    for (int row = 0; row < rows.n_rows; ++row) {
-      f32x16 s = load_floats(sum.sin[row] + x);
-      f32x16 c = load_floats(sum.cos[row] + x);
-      if (sum.output_sin != nullptr) {
-        const f32x16 turned = s * output_cos - c * output_sin;
-        c = c * output_cos + s * output_sin;
-        s = turned;
+    for (int k = 0; k < rows.n_rows; ++k) {
+      const RowLanes row(rows, sum.moving, k, x);
+      const f32x16 row_sin = load_floats(sum.sin[k] + x);
+      const f32x16 row_cos = load_floats(sum.cos[k] + x);
+      std::int32_t at = rows.taps_at[k] - rows.skipped;
+      for (int o = 0; o < kOutputs; ++o, at -= rows.step) {
+        const f32x16 s = row_sin * output_cos[o] - row_cos * output_sin[o];
+        const f32x16 c = row_cos * output_cos[o] + row_sin * output_sin[o];
+        const ComplexLanes u{2.0F * (s * s), 2.0F * (s * c)};
+        const float* const taps = sum.taps + std::ptrdiff_t{4} * at;
+        ComplexLanes weight{all_lanes(taps[sum.delays]), f32x16{}};
+        for (int p = sum.delays - 1; p >= 0; --p) {
+          weight = times(weight, u);
+          weight.re += all_lanes(taps[p]);
+        }
+        f32x16 left = row.power * power_of(weight);
+        if (sum.moving != nullptr) {
+          left = (row.power - row.moving) * power_of(weight) +
+                 row.moving * (sum.power_taps[at] * residue_of(sum.echoes, s));
+          weight = weight_to(weight, row.power, left);
+        }
+        totals.power[o] += left;
+        if (rows.re == nullptr) continue;
+        for (int p = 0; p < sum.delays; ++p) weight = times(weight, {c, s});
+        const ComplexLanes more = times(row.iq, weight);
+        totals.iq[o].re += more.re;
+        totals.iq[o].im += more.im;
       }
-      const ComplexLanes u{2.0F * s * s, 2.0F * s * c};
-      const float* const taps = sum.taps + 4 * (rows.taps_at[row] - rows.skipped);
-      ComplexLanes weight{all_lanes(taps[sum.delays]), f32x16{}};
-      for (int p = sum.delays - 1; p >= 0; --p) {
-        weight = times(weight, u);
-        weight.re += all_lanes(taps[p]);
-      }
-      const f32x16 own = load_floats(rows.power[row] + x);
-      f32x16 left = own * power_of(weight);
-      if (sum.moving != nullptr) {
-        const f32x16 moving = load_floats(sum.moving[row] + x);
-        const float tap = sum.power_taps[rows.taps_at[row] - rows.skipped];
-        left = (own - moving) * power_of(weight) + moving * (tap * residue_of(sum.echoes, s));
-        weight = weight_to(weight, own, left);
-      }
-      power += left;
-      if (rows.iq == nullptr) continue;
-      const ComplexLanes more = times(load_iq(rows.iq[row] + 2 * x), weight);
-      iq.re += more.re;
-      iq.im += more.im;
     }
-    store(rows.out_power + x, power);
-    if (rows.iq != nullptr) store_iq(rows.out_iq + 2 * x, iq);
+    totals.store_at(rows, x);
   }
 }
 
 void sharpened_sum(const SharpenedSum& sum) {
   const WeighedRows& rows = sum.rows;
-  const float over_period = sum.period > 0 ? 1 / sum.period : 0;
   for (int x = rows.first; x < rows.first + rows.n; x += kFloatLanes) {
-    f32x16 power{};
-    ComplexLanes iq{};
-    const f32x16 output = load_floats(sum.output_cells + x);
-    for (int row = 0; row < rows.n_rows; ++row) {
-      f32x16 cells = load_floats(sum.cells[row] + x) - output;
-      f32x16 tap = all_lanes(sum.taps[rows.taps_at[row] - rows.skipped]);
-      if (over_period > 0) {
-        // The nearest whole number of periods; half of it says whether it is odd.
-        constexpr float kShift = 12582912.0F;  // 1.5 x 2^23
-        const f32x16 periods = (cells * over_period + kShift) - kShift;
-        cells -= periods * sum.period;
-        if (sum.alternates) {
-          const f32x16 half = 0.5F * periods;
-          const f32x16 whole = (half + kShift) - kShift;
-          tap = tap * (1.0F - 4.0F * max(half - whole, whole - half));
-        }
+    Totals totals;
+    f32x16 output[kOutputs];
+    for (int o = 0; o < kOutputs; ++o) output[o] = load_floats(sum.output_cells[o] + x);
+    for (int k = 0; k < rows.n_rows; ++k) {
+      const RowLanes row(rows, nullptr, k, x);
+      const f32x16 cells = load_floats(sum.cells[k] + x);
+      std::int32_t at = rows.taps_at[k] - rows.skipped;
+#pragma GCC unroll 4
+      for (int o = 0; o < kOutputs; ++o, at -= rows.step) {
+        const float tap = sum.taps[at];
+        if (tap == 0) continue;
+        const f32x16 weight = tap * response_at(sum, cells - output[o]);
+        add(totals, o, row, weight, row.power * (weight * weight));
       }
-      const f32x16 step = min(max(cells, f32x16{} - cells) * sum.steps_a_cell, all_lanes(sum.last_step));
-      const i32x16 at = truncated(step);
-      const f32x16 low = gather(sum.table, at);
-      const f32x16 weight = tap * (low + (step - floats_of(at)) * (gather(sum.table + 1, at) - low));
-      power += load_floats(rows.power[row] + x) * (weight * weight);
-      if (rows.iq == nullptr) continue;
-      const ComplexLanes own = load_iq(rows.iq[row] + 2 * x);
-      iq.re += own.re * weight;
-      iq.im += own.im * weight;
     }
-    store(rows.out_power + x, power);
-    if (rows.iq != nullptr) store_iq(rows.out_iq + 2 * x, iq);
+    totals.store_at(rows, x);
   }
 }
 

@@ -41,6 +41,7 @@ namespace obliq {
   K(doppler_cells)        \
   K(doppler_phasors)      \
   K(cancel_row)           \
+  K(locked_sum)           \
   K(cancelled_sum)        \
   K(sharpened_sum)        \
   K(white_noise)          \
