@@ -170,12 +170,12 @@ std::string TargetFeed::summary() const {
 
 void TargetFeed::release() { require(client_.client().release_targets()); }
 
-void FeedStatus::tell(const std::string& text, TargetFeed::Time now) {
+void FeedStatus::tell(const std::string& text, const std::string& understood, TargetFeed::Time now) {
   if (now < next_ || text == told_) return;
   const bool is_first = std::exchange(told_, text).empty();
   if (is_first) return;  // nothing has come yet
   next_ = now + kStatusPause;
-  std::printf("targets: %s\n", text.c_str());
+  std::printf("targets: %s, %s\n", text.c_str(), understood.c_str());
   std::fflush(stdout);
 }
 
@@ -241,12 +241,12 @@ void feed_targets(client::Client connected, const DatagramSource& source, const 
     });
     const auto now = std::chrono::steady_clock::now();
     (void)feed.send(now);  // what is lost is sent again when the connection is back
-    status.tell(text(), now);
+    status.tell(text(), pdus.understood(), now);
     news.tell_what_is_due();
   }
   news.tell_the_rest();
-  std::printf("targets: %s, %llu datagrams that were none\n", text().c_str(),
-              static_cast<unsigned long long>(news.refused()));
+  std::printf("targets: %s, %llu datagrams that were none, %s\n", text().c_str(),
+              static_cast<unsigned long long>(news.refused()), pdus.understood().c_str());
   feed.release();
 }
 

@@ -81,7 +81,8 @@ class TargetFeed {
 /// Says every ten seconds how it goes, where that has changed.
 class FeedStatus {
  public:
-  void tell(const std::string& text, TargetFeed::Time now);
+  /// understood: PduSource::understood(), whose change alone is no news.
+  void tell(const std::string& text, const std::string& understood, TargetFeed::Time now);
 
  private:
   std::string told_;
