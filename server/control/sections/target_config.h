@@ -18,6 +18,8 @@ struct TargetType {
 
 /// The type of that name; null: there is none.
 const TargetType* find_type(const std::vector<TargetType>& types, const std::string& name);
+/// Their names as an error says what a target's type may be.
+std::string allowed_types(const std::vector<TargetType>& types);
 
 /// Of a target's foot, over its reference.
 constexpr double kLeastTargetHeight_m = -1e3;

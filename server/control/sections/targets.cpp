@@ -155,6 +155,13 @@ const TargetType* find_type(const std::vector<TargetType>& types, const std::str
   return type == types.end() ? nullptr : &*type;
 }
 
+std::string allowed_types(const std::vector<TargetType>& types) {
+  if (types.empty()) return "the name of a table [target_types.NAME], of which the scene has none";
+  std::string names;
+  for (const TargetType& each : types) names += (names.empty() ? "one of " : ", ") + toml_string(each.name);
+  return names;
+}
+
 void TargetConfig::lay_route() {
   target.route =
       route.points.empty()
@@ -251,12 +258,10 @@ void read_type(SceneReading& scene, SectionReader& reader, TargetConfig& target)
     target.target.size = type->size;
     return;
   }
-  std::string allowed = types.empty() ? "the name of a table [target_types.NAME] of this file" : "one of";
-  for (const TargetType& each : types)
-    allowed += (&each == &types.front() ? " " : ", ") + toml_string(each.name);
   const ConfigNode* node = reader.table().find("type");
-  scene.complaints.add(node != nullptr ? node->where : reader.table().where,
-                       {"target.type", node != nullptr ? node->found_text() : "nothing", allowed});
+  scene.complaints.add(
+      node != nullptr ? node->where : reader.table().where,
+      {"target.type", node != nullptr ? node->found_text() : "nothing", allowed_types(types)});
 }
 
 void read_route(SceneReading& scene, SectionReader& reader, TargetConfig& config) {
