@@ -17,7 +17,7 @@ namespace {
 using Of = RowsOf<Change::restart, &TargetType::size>;
 using Its = RowsOf<Change::restart>;
 constexpr Limits kSpeed = closed(-kMostSpeed_m_s, kMostSpeed_m_s);
-constexpr Limits kPush = closed(-1000, 1000);
+constexpr Limits kPush = closed(-kMostTargetAcceleration_m_s2, kMostTargetAcceleration_m_s2);
 constexpr Limits kExtent = closed(0, 1000);
 constexpr Limits kLatitude = closed(-90, 90);
 constexpr Limits kLongitude = closed(-360, 360);
@@ -107,7 +107,8 @@ constexpr std::array kPlaceRows{
     Its::row<&Target::heading_deg>(
         "heading_deg", "deg", closed(-360, 360),
         "Where its nose points, clockwise from north; left out: along its course."),
-    Its::row<&Target::heading_rate_deg_s>("heading_rate_deg_s", "deg/s", closed(-360, 360),
+    Its::row<&Target::heading_rate_deg_s>("heading_rate_deg_s", "deg/s",
+                                          closed(-kMostHeadingRate_deg_s, kMostHeadingRate_deg_s),
                                           "How fast it turns."),
     Its::row<&Target::sim_time_ns>("sim_time_ns", "ns", closed(-4e18, 4e18),
                                    "Of place, velocity and heading, in the clock of the poses."),
