@@ -27,6 +27,8 @@ constexpr std::size_t kPageBytes = std::size_t{200} << 10;
 constexpr std::size_t kMostStagedBytes = std::size_t{16} << 20;
 /// Of all targets' routes.
 constexpr std::size_t kMostPointsInAll = 100'000;
+/// Of ids in one request: ten worlds.
+constexpr std::size_t kMostGone = 100'000;
 /// In one refusal.
 constexpr std::size_t kMostErrors = 20;
 constexpr double kLongest_s = 1e8;
@@ -184,6 +186,7 @@ std::vector<FieldError> TargetWorld::oversize(const Amount& amount, const std::s
   const auto at_most = [&](std::size_t most) { return "at most " + std::to_string(most) + " in " + where; };
   if (const auto most = static_cast<std::size_t>(options_.max_targets); amount.targets > most)
     return {{"targets", std::to_string(amount.targets), at_most(most)}};
+  if (amount.gone > kMostGone) return {{"gone", std::to_string(amount.gone), at_most(kMostGone)}};
   if (amount.points > kMostPointsInAll)
     return {{"targets", std::to_string(amount.points) + " points of routes", at_most(kMostPointsInAll)}};
   if (amount.bytes > kMostStagedBytes)
@@ -195,6 +198,7 @@ TargetWorld::Outcome TargetWorld::set(const wire::SetTargets& request, const std
   // By what the message itself says, before any of it is worked on.
   Amount amount = staged_ ? staged_->amount : Amount{};
   amount.targets += static_cast<std::size_t>(request.targets_size());
+  amount.gone += static_cast<std::size_t>(request.gone_size());
   for (const wire::Target& target : request.targets())
     amount.points += static_cast<std::size_t>(target.route().latitude_deg_size());
   amount.bytes += request.ByteSizeLong();

@@ -98,6 +98,7 @@ class TargetWorld {
   /// Why so much is more than fits.
   struct Amount {
     std::size_t targets = 0;
+    std::size_t gone = 0;
     std::size_t points = 0;  ///< of routes
     std::size_t bytes = 0;
   };
