@@ -184,6 +184,7 @@ int obliq_release(obliq_client* client, const char* radar) {
 }
 
 void obliq_no_pose(obliq_pose* pose) {
+  if (pose == nullptr) return;
   *pose = {kNone, kNone, kNone, kNone, kNone, kNone, kNoTime, 0, kNone, kNone, kNone, kNone, kNone, kNone};
 }
 
@@ -278,6 +279,7 @@ int obliq_render(obliq_client* client, const char* radar, const obliq_pose* pose
 
 int obliq_receive(obliq_client* client, obliq_frame* frame, int timeout_ms) {
   return guarded(client, [&] {
+    if (frame == nullptr) return bad("frame: found NULL; allowed: a place for one");
     const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(std::max(0, timeout_ms));
     client::FramesOfStreams& frames = client->frames;
     while (frames.whole.empty()) {
@@ -297,6 +299,8 @@ int obliq_receive(obliq_client* client, obliq_frame* frame, int timeout_ms) {
 int obliq_query(obliq_client* client, const char* radar, size_t n, const double* latitude_deg,
                 const double* longitude_deg, const double* height_m, obliq_ground* ground) {
   return guarded(client, [&] {
+    if (n > 0 && (latitude_deg == nullptr || longitude_deg == nullptr || ground == nullptr))
+      return bad("latitude_deg, longitude_deg, ground: found NULL; allowed: n of each");
     wire::QueryGround request;
     request.set_radar(text_of(radar));
     const int count = static_cast<int>(std::min<std::size_t>(n, std::numeric_limits<int>::max()));
@@ -327,6 +331,7 @@ int obliq_bookmark(obliq_client* client, const char* text) {
 
 int obliq_next_event(obliq_client* client, uint64_t after, obliq_event* event) {
   return guarded(client, [&] {
+    if (event == nullptr) return bad("event: found NULL; allowed: a place for one");
     const auto behind = [&] {
       return std::ranges::find_if(client->events.events(), [&](const auto& e) { return e.number() > after; });
     };

@@ -175,6 +175,7 @@ int obliq_release_targets(obliq_client* client) {
 }
 
 void obliq_no_target(obliq_target* target) {
+  if (target == nullptr) return;
   *target = {};
   target->height_reference = target->swerling = kAsItIs;
   target->sim_time_ns = kNoTime;

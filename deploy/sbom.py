@@ -39,6 +39,8 @@ def rows():
 
 def row_of(table, soname):
     """libpng for libpng16.so.16; None where no row has it."""
+    if soname.startswith("ld-linux"):  # the loader, which the C library brings
+        soname = "libc.so.6"
     return next((name for name in table if re.fullmatch(re.escape(name) + r"[-\d_.]*\.so[\d.]*", soname)), None)
 
 

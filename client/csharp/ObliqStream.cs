@@ -605,6 +605,7 @@ namespace Obliq
         /// <summary>Takes some away; ids that the world has not are no fault.</summary>
         public Task<Ack> RemoveTargetsAsync(params ulong[] ids)
         {
+            if (ids == null) throw new ArgumentNullException("ids");
             var gone = new List<string>();
             foreach (var id in ids) gone.Add(id.ToString(CultureInfo.InvariantCulture));
             return ChangeTargetsAsync("gone", gone, false);
@@ -618,6 +619,7 @@ namespace Obliq
                 var after = new Fields().Add("after", all.Count > 0 ? all[all.Count - 1].id : "0");
                 var page = Json<TargetList>((string)await AskAsync(Type.GetTargets, after).ConfigureAwait(false));
                 all.AddRange(page.targets ?? new Target[0]);
+                if (all.Count > MostTargets) throw new IOException("a list of too many targets");
                 more = page.more && page.targets != null && page.targets.Length > 0;
             }
             return all;
@@ -628,6 +630,7 @@ namespace Obliq
 
         private Task<Ack> ChangeTargetsAsync(Fields[] targets, bool clear)
         {
+            if (targets == null || Array.IndexOf(targets, null) >= 0) throw new ArgumentNullException("targets");
             var texts = new List<string>();
             foreach (var target in targets) texts.Add(target.ToString());
             return ChangeTargetsAsync("targets", texts, clear);
@@ -824,7 +827,7 @@ namespace Obliq
 
         // A radar has at most 8192 x 8192 bins.
         private const int MostAzimuths = 1 << 14, MostBins = 1 << 28;
-        // Of a frame: more than a hundred worlds have.
+        // Of a frame or a list: more than a hundred worlds have.
         private const int MostTargets = 1000000;
         // A pass that brought less than this part of its bytes and missed the others is given up, unless it is small; as
         // frame_assembler.cpp does.

@@ -52,6 +52,8 @@ Value read_field(const Key& key, const FieldDescriptor& field, const Message& me
       return reflection->GetInt64(message, &field);
     case FieldDescriptor::CPPTYPE_UINT64:
       return reflection->GetUInt64(message, &field);
+    case FieldDescriptor::CPPTYPE_STRING:
+      return reflection->GetString(message, &field);
     case FieldDescriptor::CPPTYPE_ENUM:
       return choice_value(key, field, reflection->GetEnumValue(message, &field));
     case FieldDescriptor::CPPTYPE_MESSAGE: {
@@ -78,6 +80,8 @@ void write_field(const Key& key, const FieldDescriptor& field, const Value& valu
       return reflection->SetInt64(&message, &field, std::get<std::int64_t>(value));
     case FieldDescriptor::CPPTYPE_UINT64:
       return reflection->SetUInt64(&message, &field, std::get<std::uint64_t>(value));
+    case FieldDescriptor::CPPTYPE_STRING:
+      return reflection->SetString(&message, &field, std::get<std::string>(value));
     case FieldDescriptor::CPPTYPE_ENUM:
       return write_choice(key, field, std::get<std::string>(value), message);
     case FieldDescriptor::CPPTYPE_MESSAGE: {

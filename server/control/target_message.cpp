@@ -89,12 +89,8 @@ std::vector<FieldError> merge_message(const wire::Target& message, const std::ve
   if (message.has_type() && message.type() != target.type) {
     const TargetType* type = find_type(types, message.type());
     if (type != nullptr) target.target.size = type->size;
-    if (type == nullptr && !message.type().empty()) {
-      std::string names;
-      for (const TargetType& each : types) names += (names.empty() ? "" : ", ") + toml_string(each.name);
-      errors.push_back({"type", toml_string(printable_text(message.type(), 64)),
-                        names.empty() ? "none: the scene has no [target_types.NAME]" : "one of " + names});
-    }
+    if (type == nullptr && !message.type().empty())
+      errors.push_back({"type", toml_string(printable_text(message.type(), 64)), allowed_types(types)});
     target.type = message.type();
   }
   if (message.has_route()) {

@@ -88,7 +88,7 @@ class Echoes {
 /// Signal-to-noise ratio of one pulse, in dB, at which a steady target is found with probability 0.9 at a
 /// false alarm probability of 1e-6 when so many looks are integrated: Albersheim's equation (Proc. IEEE 69,
 /// 1981; to 0.2 dB).
-double detectable_snr_db(int looks) {
+double steady_snr_db(int looks) {
   const double a = std::log(0.62 / 1e-6);
   const double b = std::log(0.9 / (1 - 0.9));
   return -5 * std::log10(looks) +
@@ -132,7 +132,7 @@ std::vector<ReportRow> radar_rows(const RadarSettings& s, const AirView& air,
   const double noise_w = noise_power_w(noisy), noise_db = db_of_ratio(noise_w);
   const double drowned = echoes.share_below(noise_db);
   const double touched = echoes.share_below(noise_db + kClearOfNoise_db);
-  const double ratio_db = detectable_snr_db(s.video.looks);
+  const double ratio_db = steady_snr_db(s.video.looks);
   const double metre_w =
       echo_power_w(s.power_w, s.gain_db, wavelength_at(s.frequency_ghz), s.receiver.loss_db, 1, s.r_max_m);
 

@@ -17,19 +17,6 @@ constexpr std::size_t kMostTold = 8;
 constexpr double kFalseAlarm = 1e-6;
 constexpr double kProbability = 0.9;
 
-const char* hider(HiddenBy hidden) {
-  switch (hidden) {
-    case HiddenBy::ground:
-      return "the ground";
-    case HiddenBy::building:
-      return "a building";
-    case HiddenBy::horizon:
-      return "the horizon";
-    default:
-      return "nothing";
-  }
-}
-
 }  // namespace
 
 std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, const TargetSet& targets,
@@ -62,14 +49,14 @@ std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, co
          text_of(
              values("rcs"_is = rcs_m2, "range"_is = truth.range_m / 1000, "snr"_is = snr_db(truth.range_m),
                     "steady"_is = reach_km(0), "fluctuating"_is = reach_km(1), "share"_is = 100 * truth.share,
-                    "hider"_is = hider(truth.hidden_by)),
+                    "hider"_is = name_of(truth.hidden_by)),
              {{"t", true,
                "{rcs:3} m^2 at {range:.2f} km: {snr:.2f} dB; Pd 0.9 to {steady:.1f} km (Swerling 0), "
                "{fluctuating:.1f} km (1). "},
               {"t", true, "Of one pulse on the boresight over receiver noise, Pfa 1e-6, in free space. "},
               {"t", truth.range_bin < 0, "It is beside the swath. "},
               {"t", truth.azimuth_bin < 0, "It is beside the sector. "},
-              {"t", truth.share < 1, "{share:.0f} % of it is seen, behind {hider}. "}})});
+              {"t", truth.share < 1, "{share:.0f} % of it is seen, hidden by {hider}. "}})});
     if (rows.back().text.ends_with(' ')) rows.back().text.pop_back();
   }
   return rows;

@@ -26,7 +26,9 @@ constexpr std::size_t kPageBytes = std::size_t{200} << 10;
 /// Of a request of several messages.
 constexpr std::size_t kMostStagedBytes = std::size_t{16} << 20;
 /// Of all targets' routes.
-constexpr int kMostPointsInAll = 100'000;
+constexpr std::size_t kMostPointsInAll = 100'000;
+/// Of ids in one request: ten worlds.
+constexpr std::size_t kMostGone = 100'000;
 /// In one refusal.
 constexpr std::size_t kMostErrors = 20;
 constexpr double kLongest_s = 1e8;
@@ -48,6 +50,11 @@ std::int64_t before(std::int64_t now_ns, double age_s) {
 }
 
 }  // namespace
+
+struct TargetWorld::Staged {
+  wire::SetTargets request;
+  Amount amount;
+};
 
 TargetWorld::TargetWorld(const ServerOptions& options, RenderThread& render, ExerciseLog& log, Post post)
     : options_(options), render_(render), log_(log), post_(std::move(post)) {
@@ -175,63 +182,52 @@ std::vector<FieldError> TargetWorld::read(const Messages& messages, const All& a
   return errors;
 }
 
-std::vector<FieldError> TargetWorld::oversize(const wire::SetTargets& request) const {
-  int targets = request.targets_size(), points = 0;
-  for (const wire::Target& target : request.targets()) points += target.route().latitude_deg_size();
-  std::size_t bytes = request.ByteSizeLong();
-  if (staged_) {
-    targets += staged_->targets_size();
-    points += staged_points_;
-    bytes += staged_bytes_;
-  }
-  if (targets > options_.max_targets)
-    return {{"targets", std::to_string(targets),
-             "at most " + std::to_string(options_.max_targets) + " in a request"}};
-  if (points > kMostPointsInAll)
-    return {{"targets", std::to_string(points) + " points of routes",
-             "at most " + std::to_string(kMostPointsInAll) + " in a request"}};
-  if (bytes > kMostStagedBytes)
+std::vector<FieldError> TargetWorld::oversize(const Amount& amount, const std::string& where) const {
+  const auto at_most = [&](std::size_t most) { return "at most " + std::to_string(most) + " in " + where; };
+  if (const auto most = static_cast<std::size_t>(options_.max_targets); amount.targets > most)
+    return {{"targets", std::to_string(amount.targets), at_most(most)}};
+  if (amount.gone > kMostGone) return {{"gone", std::to_string(amount.gone), at_most(kMostGone)}};
+  if (amount.points > kMostPointsInAll)
+    return {{"targets", std::to_string(amount.points) + " points of routes", at_most(kMostPointsInAll)}};
+  if (amount.bytes > kMostStagedBytes)
     return {{"more", "over " + std::to_string(kMostStagedBytes >> 20) + " MiB in one request", "less"}};
   return {};
 }
 
 TargetWorld::Outcome TargetWorld::set(const wire::SetTargets& request, const std::string& by) {
   // By what the message itself says, before any of it is worked on.
-  if (auto over = oversize(request); !over.empty()) {
+  Amount amount = staged_ ? staged_->amount : Amount{};
+  amount.targets += static_cast<std::size_t>(request.targets_size());
+  amount.gone += static_cast<std::size_t>(request.gone_size());
+  for (const wire::Target& target : request.targets())
+    amount.points += static_cast<std::size_t>(target.route().latitude_deg_size());
+  amount.bytes += request.ByteSizeLong();
+  if (auto over = oversize(amount, "a request"); !over.empty()) {
     staged_ = nullptr;
     return {std::move(over), true, {}};
   }
   if (!staged_ && !request.more()) return commit(request, by);
-  if (!staged_) {
-    staged_ = std::make_unique<wire::SetTargets>();
-    staged_bytes_ = 0;
-    staged_points_ = 0;
-  }
-  staged_bytes_ += request.ByteSizeLong();
-  for (const wire::Target& target : request.targets()) staged_points_ += target.route().latitude_deg_size();
-  staged_->MergeFrom(request);
+  if (!staged_) staged_ = std::make_unique<Staged>();
+  staged_->request.MergeFrom(request);
+  staged_->amount = amount;
   if (request.more()) return {};
   const auto whole = std::exchange(staged_, nullptr);
-  return commit(*whole, by);
+  return commit(whole->request, by);
 }
 
 std::vector<FieldError> TargetWorld::too_much(const wire::SetTargets& request, const Change& change) const {
-  std::size_t n = change.set.size();
-  std::size_t points = 0;
-  for (const auto& [id, target] : change.set) points += target.route.points.size();
-  const bool has_routes = points > 0;
+  Amount amount;
+  const auto add = [&](const TargetConfig& target) {
+    ++amount.targets;
+    amount.points += target.route.points.size();
+  };
+  for (const auto& [id, target] : change.set) add(target);
+  const bool has_routes = amount.points > 0;
   if (!request.clear())
-    for (const auto& [id, target] : all_) {
-      if (change.set.contains(id) || change.gone.contains(id)) continue;
-      ++n;
-      points += target.route.points.size();
-    }
-  if (const auto most = static_cast<std::size_t>(options_.max_targets); n > most)
-    return {{"targets", std::to_string(n), "at most " + std::to_string(most) + " in the world"}};
-  if (has_routes && points > static_cast<std::size_t>(kMostPointsInAll))
-    return {{"targets", std::to_string(points) + " points of routes",
-             "at most " + std::to_string(kMostPointsInAll) + " in the world"}};
-  return {};
+    for (const auto& [id, target] : all_)
+      if (!change.set.contains(id) && !change.gone.contains(id)) add(target);
+  if (!has_routes) amount.points = 0;  // those that are there already
+  return oversize(amount, "the world");
 }
 
 TargetWorld::Outcome TargetWorld::commit(const wire::SetTargets& request, const std::string& by) {
@@ -268,9 +264,7 @@ TargetWorld::Outcome TargetWorld::commit(const wire::SetTargets& request, const 
 }
 
 std::vector<FieldError> TargetWorld::read_anew(const Messages& messages, Change& change) const {
-  const auto most = static_cast<std::size_t>(options_.max_targets);
-  if (messages.size() > most)
-    return {{"targets", std::to_string(messages.size()), "at most " + std::to_string(most)}};
+  if (auto over = oversize({.targets = messages.size()}, "a request"); !over.empty()) return over;
   return read(messages, {}, change);
 }
 

@@ -95,8 +95,14 @@ class TargetWorld {
   std::vector<FieldError> merge(const wire::Target& message, const TargetConfig* was, TargetConfig& is) const;
   /// The times of a target that moves on from now as the message says.
   Target begin_anew(const wire::Target& message, const Target& was, bool is_new) const;
-  /// Why it is too large, with what is staged, before any of it is worked on.
-  std::vector<FieldError> oversize(const wire::SetTargets& request) const;
+  /// Why so much is more than fits.
+  struct Amount {
+    std::size_t targets = 0;
+    std::size_t gone = 0;
+    std::size_t points = 0;  ///< of routes
+    std::size_t bytes = 0;
+  };
+  std::vector<FieldError> oversize(const Amount& amount, const std::string& where) const;
   Outcome commit(const wire::SetTargets& request, const std::string& by);
   std::vector<FieldError> too_much(const wire::SetTargets& request, const Change& change) const;
   wire::Target message_of(const TargetConfig& target) const;
@@ -113,9 +119,8 @@ class TargetWorld {
   std::uint64_t expired_ = 0;
   std::uint64_t late_ = 0;
   std::optional<std::int64_t> frozen_since_ns_;
-  std::unique_ptr<wire::SetTargets> staged_;  ///< the holder's request so far; null: none
-  std::size_t staged_bytes_ = 0;
-  int staged_points_ = 0;
+  struct Staged;
+  std::unique_ptr<Staged> staged_;  ///< the holder's request so far; null: none
   Post post_;
   bool is_published_ = true;
   TargetsPtr published_;

@@ -9,6 +9,15 @@
 namespace obliq {
 namespace {
 
+constexpr bool is_same(HiddenBy ours, wire::HiddenBy theirs) {
+  return static_cast<int>(ours) == static_cast<int>(theirs);
+}
+static_assert(is_same(HiddenBy::nothing, wire::HiddenBy::nothing) &&
+              is_same(HiddenBy::ground, wire::HiddenBy::ground) &&
+              is_same(HiddenBy::building, wire::HiddenBy::building) &&
+              is_same(HiddenBy::horizon, wire::HiddenBy::horizon) &&
+              is_same(HiddenBy::unknown_ground, wire::HiddenBy::unknown_ground));
+
 float decibels(double ratio) {
   return ratio > 0 ? std::max(static_cast<float>(10 * std::log10(ratio)), wire::kLeastSnr_db)
                    : wire::kLeastSnr_db;

@@ -44,6 +44,7 @@ static void mistakes(obliq_client* client) {
   obliq_target few[2] = {at(1, 33.0, -99.0), at(1, 33.0, -99.0)};
   obliq_target many[21];
   double places[2] = {33.0, 33.1};
+  static const double long_list[10000];
   obliq_route route = {2, places, places, NULL, NULL, 0};
   said(client, "an id twice", obliq_set_targets(client, 2, few, 0));
   few[0].id = 0;
@@ -74,6 +75,16 @@ static void mistakes(obliq_client* client) {
   said(client, "no array", obliq_set_targets(client, 3, NULL, 0));
   said(client, "no ids", obliq_remove_targets(client, 1, NULL));
   said(client, "no place for it", obliq_next_target(client, 0, NULL));
+  said(client, "no frame", obliq_receive(client, NULL, 0));
+  said(client, "no event", obliq_next_event(client, 0, NULL));
+  said(client, "no places", obliq_query(client, "main", 1, places, NULL, NULL, NULL));
+  obliq_no_target(NULL);
+  obliq_no_pose(NULL);
+  few[0] = at(1, 33.0, -99.0);
+  few[0].route = &route;
+  route.latitude_deg = route.longitude_deg = route.speed_m_s = long_list;
+  route.n = sizeof long_list / sizeof *long_list;
+  said(client, "long route", obliq_set_targets(client, 1, few, 0));
 }
 
 static void print_truth(const char* what, const obliq_frame* f) {

@@ -144,7 +144,7 @@ TEST_F(FlyTargets, EntitiesAreTargetsOfTheirTypes) {
   EXPECT_NE(
       log.find(
           "targets: 1 entity, 1 PDUs of entities that no type has, 0 datagrams lost, 1 datagrams that were "
-          "none"),
+          "none, 4 PDUs understood\n"),
       std::string::npos)
       << log;
   EXPECT_NE(log.find("entities 7.0.225.1.0.0.0 are no targets"), std::string::npos) << log;
@@ -177,7 +177,9 @@ TEST_F(FlyTargets, AnOwnshipIsNoTargetAndHasTheTargetsClock) {
   // One clock: both count from the command's start, a moment ago.
   EXPECT_LT(std::abs(1e-9 * static_cast<double>(info.pose().sim_time_ns() - list.targets(0).sim_time_ns())),
             20);
-  EXPECT_NE(end(*running).find("targets: 1 entity\n"), std::string::npos);
+  const std::string log = end(*running);
+  EXPECT_NE(log.find("targets: 1 entity\n"), std::string::npos) << log;
+  EXPECT_NE(log.find(", 2 PDUs understood\n"), std::string::npos) << "of its exercise: " << log;
 }
 
 TEST_F(FlyTargets, OfTooManyTheNearestToTheRadarStay) {

@@ -215,6 +215,22 @@ TEST_F(NetTargets, WithMistakesChangeNothing) {
   EXPECT_EQ(too_many.number, number(ErrorNumber::over_limit)) << too_many.sentence();
   EXPECT_NE(too_many.sentence().find("max_targets"), std::string::npos);
   EXPECT_EQ(list_of(host).SerializeAsString(), before);
+  wire::SetTargets gone;
+  for (std::uint64_t id = 1; id <= 100'001; ++id) gone.add_gone(id);
+  const Status too_many_gone = set(host, gone);
+  EXPECT_EQ(too_many_gone.number, number(ErrorNumber::over_limit)) << too_many_gone.sentence();
+  EXPECT_NE(too_many_gone.sentence().find("gone: found 100001"), std::string::npos)
+      << too_many_gone.sentence();
+  EXPECT_EQ(list_of(host).SerializeAsString(), before);
+  // Too large for a message: nothing is sent, not even those before it, and the next change is as it was.
+  std::vector<wire::Target> large = {target(1, 1000), target(2, 1000), target(3, 1000), target(4, 1000)};
+  for (wire::Target& each : large) each.set_name(std::string(60'000, 'x'));
+  large.back().set_name(std::string(70'000, 'x'));
+  const Status too_large = set(host, large);
+  EXPECT_EQ(too_large.outcome, client::Outcome::bad_argument) << too_large.sentence();
+  EXPECT_NE(too_large.sentence().find("targets[3]: found 700"), std::string::npos) << too_large.sentence();
+  EXPECT_EQ(list_of(host).SerializeAsString(), before);
+  EXPECT_TRUE(is_ok(set(host, wire::SetTargets())));
   // Before the newest of its id: left out and counted, which is no mistake.
   wire::Target later = target(1, 5000);
   later.set_sim_time_ns(5);

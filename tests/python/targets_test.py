@@ -121,6 +121,9 @@ class Targets(unittest.TestCase):
             with server.targets() as world:
                 with self.assertRaisesRegex(TypeError, "lattitude_deg"):
                     world.set(id=1, lattitude_deg=3)
+                with self.assertRaisesRegex(ValueError, "target 1: found 700.* bytes; allowed: at most 65536"):
+                    world.set(id=1, name="x" * 70_000)
+                world.remove(*range(1, 50_000))  # more than one message holds
                 with self.assertRaisesRegex(TypeError, "rcs_dbsm='much'"):
                     world.set({"id": 1, "rcs_dbsm": "much"})
                 with self.assertRaisesRegex(ValueError, "without an id"):

@@ -86,9 +86,9 @@ class Ride {
   }
 
   void print_summary() const {
-    std::printf("%s: %llu poses, %llu datagrams that were none%s\n", radar_.c_str(),
+    std::printf("%s: %llu poses, %llu datagrams that were none%s%s\n", radar_.c_str(),
                 static_cast<unsigned long long>(sent_), static_cast<unsigned long long>(news_.refused()),
-                datagrams_.losses().c_str());
+                datagrams_.losses().c_str(), entity_ ? (", " + datagrams_.understood()).c_str() : "");
     if (feed_) std::printf("targets: %s\n", feed_->summary().c_str());
   }
   void release_targets() {
@@ -150,7 +150,7 @@ class Ride {
     const auto now = Clock::now();
     if (newest_) feed_->set_centre(newest_->location_m);
     if (!feed_->send(now)) return;  // run() takes it up again
-    status_.tell(feed_->summary() + datagrams_.losses(), now);
+    status_.tell(feed_->summary() + datagrams_.losses(), datagrams_.understood(), now);
   }
 
   void obey(const SimulationOrder& order) {

@@ -39,8 +39,30 @@ std::vector<TargetType> own_types(const std::string& file) {
   return read_type_file(parse_config_file(file));
 }
 
-EntityTable::Options table_options(const TargetOptions& options, std::optional<EntityId> ownship) {
-  return {ownship, options.timeout_s, options.refresh_hz, static_cast<std::size_t>(options.most)};
+std::vector<TargetType> types_of(const std::optional<wire::TargetList>& known) {
+  std::vector<TargetType> types;
+  if (known)
+    for (const wire::TargetType& type : known->types()) types.push_back(read_message(type));
+  return types;
+}
+
+/// Not more than the server has room for beside those of the scene, which stay.
+std::size_t most_of(const TargetOptions& options, const std::optional<wire::TargetList>& known) {
+  if (!known) return options.most;
+  const std::uint64_t first_of_dis = target_id({});
+  const auto others = static_cast<std::uint64_t>(std::ranges::count_if(
+      known->targets(), [&](const wire::Target& target) { return target.id() < first_of_dis; }));
+  const std::uint64_t room = known->max_targets();
+  return std::min(options.most, room - std::min(room, others));
+}
+
+std::optional<wire::TargetList> claim_targets(client::ResumingClient& client, FlyNews& news) {
+  require(client.hold("targets", [](client::Client& connected) { return connected.claim_targets(); }));
+  wire::TargetList list;
+  const client::Status status = client.client().get_targets(list);
+  if (status.ok()) return list;
+  news.add("the scene's target types are not known: " + status.sentence());
+  return std::nullopt;
 }
 
 bool is_refusal_of_content(const client::Status& status) {
@@ -52,40 +74,23 @@ bool is_refusal_of_content(const client::Status& status) {
 
 TargetFeed::TargetFeed(client::ResumingClient& client, FlyNews& news, const DatagramSource& source,
                        std::optional<EntityId> ownship, std::optional<Time> start, std::string radar)
+    : TargetFeed(client, news, source, ownship, start, std::move(radar), claim_targets(client, news)) {}
+
+TargetFeed::TargetFeed(client::ResumingClient& client, FlyNews& news, const DatagramSource& source,
+                       std::optional<EntityId> ownship, std::optional<Time> start, std::string radar,
+                       const std::optional<wire::TargetList>& known)
     : client_(client),
       news_(news),
       heights_{source.undulation_m, source.targets.on_ground},
       start_(start),
       radar_(std::move(radar)),
       has_ownship_(ownship.has_value()),
-      table_(table_options(source.targets, ownship)) {
-  std::vector<TargetType> own = own_types(source.targets.types_file);
-  require(client.hold("targets", [](client::Client& connected) { return connected.claim_targets(); }));
-  TargetOptions bounded = source.targets;
-  std::vector<TargetType> of_server = types_of_server(bounded.most);
-  kinds_.emplace(std::move(own), std::move(of_server));
-  table_ = EntityTable(table_options(bounded, ownship));
-}
-
-std::vector<TargetType> TargetFeed::types_of_server(std::uint64_t& most) {
-  wire::TargetList list;
-  if (const client::Status status = client_.client().get_targets(list); !status.ok()) {
-    news_.add("the scene's target types are not known: " + status.sentence());
-    return {};
-  }
-  const std::uint64_t first_of_dis = target_id({});
-  // Those of the scene stay.
-  const auto others = static_cast<std::uint64_t>(std::ranges::count_if(
-      list.targets(), [&](const wire::Target& target) { return target.id() < first_of_dis; }));
-  const std::uint64_t room = list.max_targets();
-  most = std::min(most, room - std::min(room, others));
-  std::vector<TargetType> types;
-  for (const wire::TargetType& type : list.types()) types.push_back(read_message(type));
-  return types;
+      kinds_(own_types(source.targets.types_file), types_of(known)),
+      table_({ownship, source.targets.timeout_s, source.targets.refresh_hz, most_of(source.targets, known)}) {
 }
 
 void TargetFeed::take(const EntityState& state, Time stamped, Time arrived) {
-  if (kinds_->of(state.type).type == nullptr) {
+  if (kinds_.of(state.type).type == nullptr) {
     ++none_;
     table_.remove(state.id);
   } else {
@@ -103,7 +108,7 @@ void TargetFeed::find_centre(Time now) {
 }
 
 bool TargetFeed::send(Time now) {
-  for (std::string& news : kinds_->take_news()) news_.add(std::move(news));
+  for (std::string& news : kinds_.take_news()) news_.add(std::move(news));
   if (now < next_batch_) return true;
   next_batch_ = now + kBatchPause;
   find_centre(now);
@@ -118,7 +123,7 @@ bool TargetFeed::send(Time now) {
   for (const EntityId& id : changes.gone) change.add_gone(target_id(id));
   for (const EntityTable::Moving& entity : changes.set) {
     wire::Target target;
-    if (!write_target(entity, kinds_->of(entity.state.type), heights_, target)) {
+    if (!write_target(entity, kinds_.of(entity.state.type), heights_, target)) {
       ++beyond_;
       continue;
     }
@@ -170,12 +175,12 @@ std::string TargetFeed::summary() const {
 
 void TargetFeed::release() { require(client_.client().release_targets()); }
 
-void FeedStatus::tell(const std::string& text, TargetFeed::Time now) {
+void FeedStatus::tell(const std::string& text, const std::string& understood, TargetFeed::Time now) {
   if (now < next_ || text == told_) return;
   const bool is_first = std::exchange(told_, text).empty();
   if (is_first) return;  // nothing has come yet
   next_ = now + kStatusPause;
-  std::printf("targets: %s\n", text.c_str());
+  std::printf("targets: %s, %s\n", text.c_str(), understood.c_str());
   std::fflush(stdout);
 }
 
@@ -241,12 +246,12 @@ void feed_targets(client::Client connected, const DatagramSource& source, const 
     });
     const auto now = std::chrono::steady_clock::now();
     (void)feed.send(now);  // what is lost is sent again when the connection is back
-    status.tell(text(), now);
+    status.tell(text(), pdus.understood(), now);
     news.tell_what_is_due();
   }
   news.tell_the_rest();
-  std::printf("targets: %s, %llu datagrams that were none\n", text().c_str(),
-              static_cast<unsigned long long>(news.refused()));
+  std::printf("targets: %s, %llu datagrams that were none, %s\n", text().c_str(),
+              static_cast<unsigned long long>(news.refused()), pdus.understood().c_str());
   feed.release();
 }
 

@@ -57,8 +57,10 @@ class TargetFeed {
   void release();
 
  private:
-  /// most: not more than the server has room for.
-  std::vector<TargetType> types_of_server(std::uint64_t& most);
+  /// known: those of the server; empty: it does not tell.
+  TargetFeed(client::ResumingClient& client, FlyNews& news, const DatagramSource& source,
+             std::optional<EntityId> ownship, std::optional<Time> start, std::string radar,
+             const std::optional<wire::TargetList>& known);
   void find_centre(Time now);
   bool send(const wire::SetTargets& change);
 
@@ -70,7 +72,7 @@ class TargetFeed {
   std::optional<glm::dvec3> centre_m_;
   bool has_ownship_;
   Time next_centre_{}, next_batch_{};
-  std::optional<EntityKinds> kinds_;
+  EntityKinds kinds_;
   EntityTable table_;
   std::uint64_t sent_ = 0;
   std::uint64_t none_ = 0;     ///< PDUs of entities that no type has
@@ -81,7 +83,8 @@ class TargetFeed {
 /// Says every ten seconds how it goes, where that has changed.
 class FeedStatus {
  public:
-  void tell(const std::string& text, TargetFeed::Time now);
+  /// understood: PduSource::understood(), whose change alone is no news.
+  void tell(const std::string& text, const std::string& understood, TargetFeed::Time now);
 
  private:
   std::string told_;

@@ -9,6 +9,7 @@
 #include "server/apps/commands/udp_socket.h"
 #include "server/security/networks.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/text.h"
 
 namespace obliq {
 namespace {
@@ -38,6 +39,10 @@ void PduSource::take(std::chrono::milliseconds longest, FlyNews& news, const Tak
   const auto is_of_exercise = [&](int exercise) {
     return source_.exercise < 0 || exercise == source_.exercise;
   };
+  const auto give = [&](const Pdu& pdu, Time stamped, Time arrived) {
+    ++understood_;
+    taker(pdu, stamped, arrived);
+  };
   for (const Datagrams::One& one : came.all) {
     std::span<const std::byte> rest = came.of(one);
     do {
@@ -45,13 +50,15 @@ void PduSource::take(std::chrono::milliseconds longest, FlyNews& news, const Tak
       if (const auto* none = std::get_if<NoPose>(&pdu)) {
         news.refuse(none->why);
       } else if (const auto* order = std::get_if<SimulationOrder>(&pdu)) {
-        if (is_of_exercise(order->exercise)) taker(pdu, one.arrived, one.arrived);
+        if (is_of_exercise(order->exercise)) give(pdu, one.arrived, one.arrived);
       } else if (const auto& state = std::get<EntityState>(pdu); is_of_exercise(state.exercise)) {
-        taker(pdu, clock_.moment(state.timestamp, one.arrived, one.utc), one.arrived);
+        give(pdu, clock_.moment(state.timestamp, one.arrived, one.utc), one.arrived);
       }
     } while (!rest.empty());
   }
 }
+
+std::string PduSource::understood() const { return counted(understood_, "PDU") + " understood"; }
 
 std::string PduSource::losses() const {
   std::string text = fmt::format(", {} datagrams lost", inbox_.lost());

@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -29,11 +30,14 @@ class PduSource {
   Datagrams take(std::chrono::milliseconds longest) { return inbox_.take(longest); }
   /// ", 3 datagrams lost ...": for want of room, here or in the kernel.
   std::string losses() const;
+  /// "1 PDU understood": all that went to the taker.
+  std::string understood() const;
 
  private:
   const DatagramSource& source_;
   DatagramInbox inbox_;
   PduClock clock_;
+  std::uint64_t understood_ = 0;
 };
 
 }  // namespace obliq

@@ -10,29 +10,11 @@
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/server_arguments.h"
 #include "server/output/frame_files.h"
+#include "server/radar/targets/seen_share.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
 namespace obliq {
-namespace {
-
-const char* name_of(wire::HiddenBy hidden) {
-  switch (hidden) {
-    case wire::HiddenBy::ground:
-      return "ground";
-    case wire::HiddenBy::building:
-      return "building";
-    case wire::HiddenBy::horizon:
-      return "horizon";
-    case wire::HiddenBy::unknown_ground:
-      return "unknown_ground";
-    case wire::HiddenBy::nothing:
-      break;
-  }
-  return "nothing";
-}
-
-}  // namespace
 
 void write_targets(const std::string& recording, const client::RecordingStart& start,
                    const std::string& out) {
@@ -56,7 +38,7 @@ void write_targets(const std::string& recording, const client::RecordingStart& s
           recorded.frame.descriptor->frame_id(), recorded.begin_utc_ns,
           recorded.frame.descriptor->pose().sim_time_ns(), t.id, t.latitude_deg, t.longitude_deg, t.height_m,
           t.bearing_deg, t.range_m, t.elevation_deg, t.closing_m_s, t.snr_db, t.is_power ? 1 : 0, t.rcs_dbsm,
-          t.share_seen, t.azimuth_bin, t.range_bin, name_of(t.hidden_by));
+          t.share_seen, t.azimuth_bin, t.range_bin, name_of(static_cast<HiddenBy>(t.hidden_by)));
       ++lines;
     }
   }

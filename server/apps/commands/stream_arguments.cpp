@@ -98,9 +98,9 @@ void add_stream_arguments(CLI::App& app, StreamArguments& arguments) {
          "Only these azimuth bins, those below END, every STEP-th; any part may be left out: 100:200, ::4")
       ->type_name("FIRST:END:STEP");
   app.add_option("--ranges", arguments.ranges, "The same for range bins")->type_name("FIRST:END:STEP");
-  app.add_option(
-         "--planes", arguments.planes,
-         "Only these of iq,power,count,state,video,material,building,height,returns; without: the first four")
+  app.add_option("--planes", arguments.planes,
+                 fmt::format("Only these of {}, with commas between them; without: the first four",
+                             wire::plane_names(wire::kEveryPlane)))
       ->type_name("NAMES");
   app.add_option("--video-bits", arguments.video_bits, "Bits of the plane video")
       ->check(CLI::IsMember({8, 16}))

@@ -12,6 +12,8 @@
 #include "proto/json_text.h"
 #include "proto/obliq.pb.h"
 #include "server/control/message_fields.h"
+#include "server/control/sections/parameter_row.h"
+#include "server/control/sections/targets.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"
@@ -34,72 +36,52 @@ std::string key_names() {
   return names + ", " + kRoute + ", " + kLoops;
 }
 
-/// What fits the field; nothing: the value does.
-std::optional<std::string> set_field(wire::Target& target, const FieldDescriptor& field, const Value& value) {
-  const auto* reflection = target.GetReflection();
-  const auto number = [&]() -> std::optional<double> {
-    if (const auto* real = std::get_if<double>(&value)) return *real;
-    if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
-    if (const auto* large = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*large);
-    return std::nullopt;
+Key key_of(const FieldDescriptor& field) { return {field.name(), "", kAny, kHeightReferences}; }
+
+/// What is wrong with the value; nothing: the field has it.
+std::optional<FieldError> set_field(wire::Target& target, const FieldDescriptor& field, const Value& value) {
+  const Key key = key_of(field);
+  const auto set = [&](auto held) {
+    auto error = store(key, &held, value);
+    if (!error) write_field(key, field, load(key, &held), target);
+    return error;
   };
-  const auto* whole = std::get_if<std::int64_t>(&value);
-  const auto* text = std::get_if<std::string>(&value);
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
-      if (!number()) return "a number";
-      reflection->SetDouble(&target, &field, *number());
-      return {};
+      return set(0.0);
     case FieldDescriptor::CPPTYPE_INT32:
-      if (whole == nullptr || *whole < -1000 || *whole > 1000) return "an integer";
-      reflection->SetInt32(&target, &field, static_cast<std::int32_t>(*whole));
-      return {};
+      return set(0);
     case FieldDescriptor::CPPTYPE_INT64:
-      if (whole == nullptr) return "an integer";
-      reflection->SetInt64(&target, &field, *whole);
-      return {};
+      return set(std::int64_t{});
     case FieldDescriptor::CPPTYPE_UINT64:
-      if (const auto* large = std::get_if<std::uint64_t>(&value)) {
-        reflection->SetUInt64(&target, &field, *large);
-      } else if (whole != nullptr && *whole >= 0) {
-        reflection->SetUInt64(&target, &field, static_cast<std::uint64_t>(*whole));
-      } else {
-        return "an integer from 0";
-      }
-      return {};
+      return set(std::uint64_t{});
     case FieldDescriptor::CPPTYPE_STRING:
-      if (text == nullptr) return "a text";
-      reflection->SetString(&target, &field, *text);
-      return {};
-    case FieldDescriptor::CPPTYPE_ENUM:
-      for (int i = 0; text != nullptr && i < field.enum_type()->value_count(); ++i)
-        if (const auto* each = field.enum_type()->value(i); wire::enum_word(each->name()) == *text) {
-          reflection->SetEnum(&target, &field, each);
-          return {};
-        }
-      return "datum, ground or ellipsoid";
+      return set(std::string{});
     default:
-      return "nothing";
+      return set(HeightReference{});
   }
 }
 
-void add_point(const ConfigNode& table, wire::Target& target, Complaints& complaints) {
-  double place[4] = {};
-  const char* names[4] = {"latitude_deg", "longitude_deg", "height_m", "speed_m_s"};
-  for (int k = 0; k < 4; ++k) {
-    const ConfigNode* node = table.find(names[k]);
-    if (node == nullptr || store(Key{names[k], ""}, &place[k], node->value))
-      complaints.add(table.where, FieldError{std::string("target.route.") + names[k],
+void add_point(const RoutePoint& point, wire::Target& target) {
+  wire::TargetRoute& route = *target.mutable_route();
+  route.add_latitude_deg(point.latitude_deg);
+  route.add_longitude_deg(point.longitude_deg);
+  route.add_height_m(point.height_m.value_or(0));
+  route.add_speed_m_s(point.speed_m_s);
+}
+
+RoutePoint read_point(const ConfigNode& table, Complaints& complaints) {
+  RoutePoint point;
+  for (const Row<RoutePoint>& row : route_rows()) {
+    const ConfigNode* node = table.find(row.key.name);
+    if (node == nullptr || store(row.key, row.slot(point), node->value) || is_left_open(row.slot(point)))
+      complaints.add(table.where, FieldError{"target.route." + std::string(row.key.name),
                                              node == nullptr ? "nothing" : node->found_text(), "a number"});
   }
-  wire::TargetRoute& route = *target.mutable_route();
-  route.add_latitude_deg(place[0]);
-  route.add_longitude_deg(place[1]);
-  route.add_height_m(place[2]);
-  route.add_speed_m_s(place[3]);
+  return point;
 }
 
-void add_point(const std::string& text, wire::Target& target) {
+RoutePoint point_of(const std::string& text) {
   double place[4] = {0, 0, 10, 0};
   std::size_t from = 0;
   int n = 0;
@@ -113,11 +95,7 @@ void add_point(const std::string& text, wire::Target& target) {
   }
   if (n < 2 || from <= text.size())
     throw InputError("route: found \"" + text + "\"; allowed: LATITUDE,LONGITUDE[,SPEED_M_S[,HEIGHT_M]]");
-  wire::TargetRoute& route = *target.mutable_route();
-  route.add_latitude_deg(place[0]);
-  route.add_longitude_deg(place[1]);
-  route.add_speed_m_s(place[2]);
-  route.add_height_m(place[3]);
+  return {place[0], place[1], place[3], place[2]};
 }
 
 std::string cell(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
@@ -142,13 +120,7 @@ std::string target_text(const wire::Target& target) {
     const FieldDescriptor* field = all->field(i);
     if (!is_key(*field) || (field->has_presence() && !target.GetReflection()->HasField(target, field)))
       continue;
-    const auto* reflection = target.GetReflection();
-    const Value value = field->cpp_type() == FieldDescriptor::CPPTYPE_STRING
-                            ? Value{reflection->GetString(target, field)}
-                        : field->cpp_type() == FieldDescriptor::CPPTYPE_ENUM
-                            ? Value{wire::enum_word(reflection->GetEnum(target, field)->name())}
-                            : read_field({}, *field, target);
-    text += field->name() + " = " + toml_text(value) + "\n";
+    text += field->name() + " = " + toml_text(read_field(key_of(*field), *field, target)) + "\n";
   }
   if (!target.has_route()) return text;
   const wire::TargetRoute& route = target.route();
@@ -165,7 +137,7 @@ void read_target(const ConfigNode& table, wire::Target& target, Complaints& comp
   for (const ConfigNode& node : table.items) {
     const std::string name = "target." + node.key;
     if (node.key == kRoute && node.kind == ConfigNode::Kind::array) {
-      for (const ConfigNode& point : node.items) add_point(point, target, complaints);
+      for (const ConfigNode& point : node.items) add_point(read_point(point, complaints), target);
       continue;
     }
     if (node.key == kLoops) {
@@ -181,8 +153,8 @@ void read_target(const ConfigNode& table, wire::Target& target, Complaints& comp
       complaints.add(node.where, FieldError{name, "a key that is none", key_names()});
     } else if (node.kind != ConfigNode::Kind::value) {
       complaints.add(node.where, FieldError{name, node.found_text(), "a value"});
-    } else if (const auto allowed = set_field(target, *field, node.value)) {
-      complaints.add(node.where, FieldError{name, node.found_text(), *allowed});
+    } else if (const auto error = set_field(target, *field, node.value)) {
+      complaints.add(node.where, FieldError{name, node.found_text(), error->allowed});
     }
   }
 }
@@ -197,7 +169,7 @@ std::vector<wire::Target> targets_of_words(const std::vector<std::string>& words
     if (name == "id") targets.emplace_back();
     const std::string text = word.substr(equals + 1);
     if (name == kRoute) {
-      add_point(text, targets.back());
+      add_point(point_of(text), targets.back());
       continue;
     }
     Complaints complaints;

@@ -13,10 +13,6 @@
 namespace obliq {
 namespace {
 
-// Limits of a target: server/control/PARAMETERS.md, target.*.
-constexpr double kMostAcceleration_m_s2 = 1000;
-constexpr double kMostHeadingRate_deg_s = 360;
-
 /// North, east, up.
 glm::dvec3 along(const LocalAxes& local, const glm::dvec3& vector) {
   return {glm::dot(vector, local.north), glm::dot(vector, local.east), glm::dot(vector, local.up)};
@@ -56,7 +52,7 @@ bool write_target(const EntityTable::Moving& entity, const EntityKinds::Match& k
   if (!(at.height_m >= kLeastTargetHeight_m && at.height_m <= kMostTargetHeight_m) ||
       !within(velocity, kMostSpeed_m_s))
     return false;
-  if (!within(acceleration, kMostAcceleration_m_s2)) acceleration = glm::dvec3(0.0);
+  if (!within(acceleration, kMostTargetAcceleration_m_s2)) acceleration = glm::dvec3(0.0);
   const bool on_ground = heights.on_ground && is_on_ground(state.type);
   if (on_ground) velocity.z = acceleration.z = 0;
 

@@ -18,10 +18,15 @@ struct TargetType {
 
 /// The type of that name; null: there is none.
 const TargetType* find_type(const std::vector<TargetType>& types, const std::string& name);
+/// Their names as an error says what a target's type may be.
+std::string allowed_types(const std::vector<TargetType>& types);
 
 /// Of a target's foot, over its reference.
 constexpr double kLeastTargetHeight_m = -1e3;
 constexpr double kMostTargetHeight_m = 1e6;
+/// Along each of its axes.
+constexpr double kMostTargetAcceleration_m_s2 = 1000;
+constexpr double kMostHeadingRate_deg_s = 360;
 
 /// A target as an operator names it.
 struct TargetConfig {

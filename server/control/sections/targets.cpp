@@ -17,7 +17,7 @@ namespace {
 using Of = RowsOf<Change::restart, &TargetType::size>;
 using Its = RowsOf<Change::restart>;
 constexpr Limits kSpeed = closed(-kMostSpeed_m_s, kMostSpeed_m_s);
-constexpr Limits kPush = closed(-1000, 1000);
+constexpr Limits kPush = closed(-kMostTargetAcceleration_m_s2, kMostTargetAcceleration_m_s2);
 constexpr Limits kExtent = closed(0, 1000);
 constexpr Limits kLatitude = closed(-90, 90);
 constexpr Limits kLongitude = closed(-360, 360);
@@ -107,7 +107,8 @@ constexpr std::array kPlaceRows{
     Its::row<&Target::heading_deg>(
         "heading_deg", "deg", closed(-360, 360),
         "Where its nose points, clockwise from north; left out: along its course."),
-    Its::row<&Target::heading_rate_deg_s>("heading_rate_deg_s", "deg/s", closed(-360, 360),
+    Its::row<&Target::heading_rate_deg_s>("heading_rate_deg_s", "deg/s",
+                                          closed(-kMostHeadingRate_deg_s, kMostHeadingRate_deg_s),
                                           "How fast it turns."),
     Its::row<&Target::sim_time_ns>("sim_time_ns", "ns", closed(-4e18, 4e18),
                                    "Of place, velocity and heading, in the clock of the poses."),
@@ -153,6 +154,13 @@ std::span<const Row<RoutePoint>> route_rows() { return kRouteRows; }
 const TargetType* find_type(const std::vector<TargetType>& types, const std::string& name) {
   const auto type = std::ranges::find(types, name, &TargetType::name);
   return type == types.end() ? nullptr : &*type;
+}
+
+std::string allowed_types(const std::vector<TargetType>& types) {
+  if (types.empty()) return "the name of a table [target_types.NAME], of which the scene has none";
+  std::string names;
+  for (const TargetType& each : types) names += (names.empty() ? "one of " : ", ") + toml_string(each.name);
+  return names;
 }
 
 void TargetConfig::lay_route() {
@@ -251,12 +259,10 @@ void read_type(SceneReading& scene, SectionReader& reader, TargetConfig& target)
     target.target.size = type->size;
     return;
   }
-  std::string allowed = types.empty() ? "the name of a table [target_types.NAME] of this file" : "one of";
-  for (const TargetType& each : types)
-    allowed += (&each == &types.front() ? " " : ", ") + toml_string(each.name);
   const ConfigNode* node = reader.table().find("type");
-  scene.complaints.add(node != nullptr ? node->where : reader.table().where,
-                       {"target.type", node != nullptr ? node->found_text() : "nothing", allowed});
+  scene.complaints.add(
+      node != nullptr ? node->where : reader.table().where,
+      {"target.type", node != nullptr ? node->found_text() : "nothing", allowed_types(types)});
 }
 
 void read_route(SceneReading& scene, SectionReader& reader, TargetConfig& config) {

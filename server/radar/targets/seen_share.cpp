@@ -31,6 +31,22 @@ SeenShare seen_share(const Scene& scene, const glm::dvec3& antenna_m, const glm:
   return {top_m > 0 ? std::clamp((top_m - hidden_m) / top_m, 0.0, 1.0) : 0, highest.building};
 }
 
+const char* name_of(HiddenBy hidden) {
+  switch (hidden) {
+    case HiddenBy::ground:
+      return "ground";
+    case HiddenBy::building:
+      return "building";
+    case HiddenBy::horizon:
+      return "horizon";
+    case HiddenBy::unknown_ground:
+      return "unknown_ground";
+    case HiddenBy::nothing:
+      break;
+  }
+  return "nothing";
+}
+
 HiddenBy hidden_by(const Scene& scene, const glm::dvec3& antenna_m, const glm::dvec3& foot_m, double top_m,
                    const SeenShare& seen) {
   const glm::dvec3 head_m = foot_m + glm::dvec3(0, top_m, 0);

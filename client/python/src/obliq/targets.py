@@ -167,16 +167,21 @@ def messages_of(targets: Iterable[TargetLike], call: str) -> list[wire.Target]:
 
 
 def requests_of(targets: Sequence[wire.Target], gone: Iterable[int] = (), clear: bool = False) -> Iterator[wire.SetTargets]:
-    """One SetTargets, in as many messages as it takes: the server does all of it at once."""
-    request = wire.SetTargets(gone=gone, clear=clear)
-    bytes_of_page = 10 * len(request.gone)
+    """One SetTargets, in as many messages as it takes: the server does all of it at once. ValueError before the first: a change
+    that does not end would be the beginning of the next."""
     for target in targets:
+        if target.ByteSize() > PAGE_BYTES // 2:
+            raise ValueError(f"target {target.id}: found {target.ByteSize()} bytes; allowed: at most {PAGE_BYTES // 2}")
+    items: list[tuple[str, Any, int]] = [("gone", number, 10) for number in gone]
+    items += [("targets", target, target.ByteSize() + 4) for target in targets]
+    request, bytes_of_page = wire.SetTargets(clear=clear), 0
+    for name, item, size in items:
         if bytes_of_page > PAGE_BYTES:
             request.more = True
             yield request
             request, bytes_of_page = wire.SetTargets(), 0
-        request.targets.append(target)
-        bytes_of_page += target.ByteSize() + 4
+        getattr(request, name).append(item)
+        bytes_of_page += size
     yield request
 
 
