@@ -103,7 +103,8 @@ class Client {
   // The exercise: all radars of a server of version 1.2. What needs both claims of all of them an admin may
   // do without.
   Status get_exercise(wire::ExerciseState& state);
-  /// All of it or nothing.
+  /// All of it or nothing. With more targets than one message holds: first all else, then the targets, which
+  /// are claimed.
   Status load_exercise(const wire::ExerciseState& state);
   /// To the scene file's settings, pose and switches. Empty: all radars.
   Status reset_exercise(const std::string& radar);

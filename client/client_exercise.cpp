@@ -1,6 +1,10 @@
 // What a client asks about a whole exercise, its log, and a replay of it.
+#include <utility>
+
 #include "client/frame_dispatch.h"
 #include "proto/bookmark.h"
+#include "proto/error_number.h"
+#include "proto/limits.h"
 #include "proto/obliq.pb.h"
 // After the messages:
 #include "client/client_state.h"
@@ -23,15 +27,44 @@ Status Client::State::demand_1_2() const {
                                                     " of the protocol; allowed: 1.2 or later");
 }
 
+namespace {
+
+/// The request around a state.
+constexpr std::size_t kSlackBytes = 64;
+
+}  // namespace
+
 Status Client::get_exercise(wire::ExerciseState& state) {
   wire::GetExercise request;
-  return state_->call(MessageType::get_exercise, request, MessageType::exercise_state, state);
+  const Status whole = state_->call(MessageType::get_exercise, request, MessageType::exercise_state, state);
+  if (whole.number != static_cast<std::uint32_t>(wire::ErrorNumber::over_limit)) return whole;
+  // More targets than one message holds.
+  request.set_without_targets(true);
+  Status status = state_->call(MessageType::get_exercise, request, MessageType::exercise_state, state);
+  wire::TargetList list;
+  if (status.ok()) status = get_targets(list);
+  if (!status.ok()) return status;
+  *state.mutable_targets() = std::move(*list.mutable_targets());
+  state.set_with_targets(true);
+  return {};
 }
 
 Status Client::load_exercise(const wire::ExerciseState& state) {
   wire::LoadExercise request;
   *request.mutable_state() = state;
-  return state_->acknowledged(MessageType::load_exercise, request);
+  const bool fits = request.ByteSizeLong() + kSlackBytes <= wire::kMaxDescriptorBytes;
+  if (fits || !state.with_targets()) return state_->acknowledged(MessageType::load_exercise, request);
+  request.mutable_state()->clear_targets();
+  request.mutable_state()->set_with_targets(false);
+  if (Status status = claim_targets(); !status.ok()) return status;
+  if (Status status = state_->acknowledged(MessageType::load_exercise, request); !status.ok()) return status;
+  wire::SetTargets change;
+  change.set_clear(true);
+  *change.mutable_targets() = state.targets();
+  std::vector<std::string> warnings;
+  Status status = set_targets(change, warnings);
+  if (!status.ok()) status.text = "the radars are as the state says, the targets as they were: " + status.text;
+  return status;
 }
 
 Status Client::reset_exercise(const std::string& radar) {

@@ -29,10 +29,10 @@ void Requests::reset_exercise(const wire::ResetExercise& request) {
   acknowledge();
 }
 
-void Requests::get_exercise(const wire::GetExercise& /*request*/) {
+void Requests::get_exercise(const wire::GetExercise& request) {
   wire::ExerciseState state;
   room_.targets().expire();
-  if (may_have_truth()) {
+  if (may_have_truth() && !request.without_targets()) {
     room_.exercise().write(state);
   } else {
     state = room_.exercise().for_all();
@@ -41,7 +41,7 @@ void Requests::get_exercise(const wire::GetExercise& /*request*/) {
   if (const std::size_t bytes = state.ByteSizeLong(); bytes > wire::kMaxDescriptorBytes)
     return refuse({"max_descriptor_bytes",
                    "the exercise is too large for one message: " + std::to_string(room_.targets().n()) +
-                       " targets; a state holds some 1,500",
+                       " targets, and some 1,500 fit; without_targets leaves them to GetTargets",
                    {"targets", std::to_string(bytes) + " bytes",
                     "at most " + std::to_string(wire::kMaxDescriptorBytes)}});
   peer_.send(wire::MessageType::exercise_state, state);

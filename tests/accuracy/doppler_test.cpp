@@ -128,6 +128,24 @@ TEST_F(OverLevelGround, DbsHasThePowerOfItsCells) {
     }
 }
 
+// B + 3 rows a beamwidth stand for the ground between them.
+TEST_F(OverLevelGround, DbsWithTheRowsOfItsRuleIsThatOfManyMore) {
+  for (const double psi_deg : {90.0, 40.0}) {
+    fly(150, psi_deg);
+    RadarSettings s = radar(RadarMode::dbs);
+    s.sector_deg = 20;
+    s.doppler.pulses = 64;
+    const double cells = 31.52 * std::sin(psi_deg * kDegree_rad);
+    s.azimuth_bins = static_cast<int>(std::ceil(20 / 3.0 * (cells + 3)));
+    RadarSettings fine = s;
+    fine.azimuth_bins *= 5;
+    const double rule = over_map(s, s.azimuth_bins / 2), many = over_map(fine, fine.azimuth_bins / 2);
+    EXPECT_NEAR(rule / many, 1, 2e-3) << psi_deg;
+    std::printf("    psi %.0f, %d rows and %d: %.5f\n", psi_deg, s.azimuth_bins, fine.azimuth_bins,
+                rule / many);
+  }
+}
+
 TEST_F(OverLevelGround, DbsWithoutVelocityIsTheRealBeam) {
   RadarSettings s = radar(RadarMode::dbs);
   RadarSettings map = s;

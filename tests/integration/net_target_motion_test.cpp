@@ -145,6 +145,36 @@ TEST_F(NetTargets, AreSavedLoadedResetAndLogged) {
   EXPECT_EQ(claims, 1);
 }
 
+TEST_F(NetTargets, OfMoreThanOneMessageHoldsAreSavedAndLoaded) {
+  serve();
+  client::Client host = holder();
+  ASSERT_TRUE(is_ok(host.claim_control("main")));
+  std::vector<wire::Target> many;
+  for (std::uint64_t id = 1; id <= 10'000; ++id) {
+    many.push_back(target(id, 3000 + 0.5 * static_cast<double>(id)));
+    many.back().set_name("a target with quite a long name " + std::to_string(id));
+    many.back().set_sim_time_ns(1'000'000'000);
+  }
+  ASSERT_TRUE(is_ok(set(host, many)));
+  wire::ExerciseState saved;
+  ASSERT_TRUE(is_ok(host.get_exercise(saved)));
+  ASSERT_EQ(saved.targets_size(), 10'000);
+  ASSERT_TRUE(is_ok(host.reset_exercise("")));
+  ASSERT_TRUE(is_ok(host.release_targets()));
+  EXPECT_EQ(list_of(host).targets_size(), 0);
+  ASSERT_TRUE(is_ok(host.load_exercise(saved)));
+  const wire::TargetList loaded = list_of(host);
+  ASSERT_EQ(loaded.targets_size(), 10'000);
+  for (const int k : {0, 4567, 9999})
+    EXPECT_EQ(loaded.targets(k).SerializeAsString(), saved.targets(k).SerializeAsString());
+  // A state of another scene changes neither.
+  wire::ExerciseState other = saved;
+  other.set_scene_hash("another");
+  other.mutable_targets()->DeleteSubrange(0, 3);
+  EXPECT_EQ(host.load_exercise(other).number, number(ErrorNumber::invalid_value));
+  EXPECT_EQ(list_of(host).targets_size(), 10'000);
+}
+
 TEST_F(NetTargets, GoOnAlongTheirRouteWhateverElseIsSaid) {
   serve();
   client::Client host = holder();
