@@ -10,7 +10,7 @@ std::string parameters_text();
 
 /// Every key as an object of a JSON array: key, message_field (or null), type, unit, default, limits
 /// (at_least, above, at_most, below, one_of, retired), allowed in words, change (live, reload, restart),
-/// text. Of a radar's parameter also enumerators (name to that of the message), and knob, of_programs,
+/// text. Of a radar's parameter also enumerators (name to that of the message), and knob, modes, of_programs,
 /// not_ideal where its Meaning has them.
 std::string parameters_json();
 

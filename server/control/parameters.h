@@ -33,10 +33,11 @@ struct ModbusColumn {
 
 /// What a parameter means, beside its value, to those that show a radar or its bins.
 struct Meaning {
-  std::string_view knob = {};  ///< its name among what an operator turns; empty: not there
-  bool of_programs = false;    ///< goes with each pose that a program sends: nothing for a form
-  bool not_ideal = false;      ///< other than by default the bins are more than an ideal map's echoes
-  bool aim = false;            ///< where the antenna looks from its platform: an operator's, though of a pose
+  std::string_view knob = {};   ///< its name among what an operator turns; empty: not there
+  std::string_view modes = {};  ///< words of radar.mode that it matters to, "mti dbs"; empty: all
+  bool of_programs = false;     ///< goes with each pose that a program sends: nothing for a form
+  bool not_ideal = false;       ///< other than by default the bins are more than an ideal map's echoes
+  bool aim = false;  ///< where the antenna looks from its platform: an operator's, though of a pose
 };
 
 struct Parameter {

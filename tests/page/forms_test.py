@@ -57,7 +57,12 @@ class Forms(unittest.TestCase):
         self.page.await_script("document.querySelector('#radar [data-key]')", "the forms")
         shown = self.page.script("return [...document.querySelectorAll('#radar .field')].map((field) => "
                                  "[field.querySelector('[data-key]').dataset.key, field.querySelector('.name').textContent])")
-        self.assertEqual(shown, [[p["key"], p["knob"]] for p in table if "knob" in p])
+        # The switch of the mode stands for its own, and those of single modes beside it.
+        knobs = sorted((p for p in table if "knob" in p and p["key"] != "radar.mode"), key=lambda p: "modes" not in p)
+        self.assertEqual(shown, [[p["key"], p["knob"]] for p in knobs])
+        modes = next(p for p in table if p["key"] == "radar.mode")["limits"]["one_of"]
+        self.assertEqual(self.page.script("return obliq.controls.mode.buttons.map(({ value }) => value)"), modes)
+        self.assertLessEqual({mode for p in knobs for mode in p.get("modes", [])}, set(modes))
         self.assertIn(["receiver.stc_range_m", "sea (STC)"], shown)
         forms = self.page.script("""const { section } = obliq.controls;
             return [...section.options].flatMap(({ value }) => {

@@ -120,7 +120,7 @@ TEST(SettingsMessage, AnIdealMapHasNothingButItsEchoes) {
   };
   for (const Parameter& p : parameters()) EXPECT_EQ(ideal_otherwise(p), !p.meaning.not_ideal) << p.key.name;
   // What adds to the echoes, spreads them, or changes their law in range.
-  for (const auto* name : {"beam.pattern", "beam.elevation", "pulse.kind", "receiver.noise",
+  for (const auto* name : {"radar.mode", "beam.pattern", "beam.elevation", "pulse.kind", "receiver.noise",
                            "receiver.stc_range_m", "receiver.adc_bits", "atmosphere.rain_mm_h"})
     EXPECT_FALSE(ideal_otherwise(*find_parameter(name))) << name;
   // beam_pattern is field 20: a pattern of a later version.

@@ -88,24 +88,29 @@ const std::array kParameters{
         "Cut the echo of what is nearer than half a pulse: the antenna still transmits."),
     row<&RadarSettings::pulse, &PulseSettings::prf_hz>(
         "pulse.prf_hz", "Hz", closed(1, 1e6), "prf_hz", {339, i32, 1e2},
-        "Pulses a second, of the modes mti and dbs; a radial speed of wavelength x PRF / 2 is blind."),
+        "Pulses a second, of the modes mti and dbs; a radial speed of wavelength x PRF / 2 is blind.",
+        {.knob = "PRF", .modes = "mti dbs"}),
     row<&RadarSettings::doppler, &DopplerSettings::pulses>(
         "doppler.pulses", "", closed(2, 1024), "doppler_pulses", {341, u16},
-        "Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows."),
+        "Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows.",
+        {.knob = "pulses", .modes = "dbs"}),
     row<&RadarSettings::doppler, &DopplerSettings::window>(
         "doppler.window", "", kDopplerWindows, "doppler_window", {342, u16},
-        "Weights of these pulses: wider beams, lower sidelobes."),
+        "Weights of these pulses, and of a synthetic aperture: wider beams, lower sidelobes.",
+        {.knob = "window", .modes = "dbs sar"}),
     row<&RadarSettings::doppler, &DopplerSettings::canceller>(
         "doppler.canceller", "", closed(1, 3), "canceller", {343, u16},
-        "Delays of the moving target indicator (mti): more of them cancel more of the ground."),
+        "Delays of the moving target indicator (mti): more of them cancel more of the ground.",
+        {.knob = "canceller", .modes = "mti"}),
     row<&RadarSettings::doppler, &DopplerSettings::clutter_lock>(
         "doppler.clutter_lock", "", kAny, "clutter_lock", {344, u16},
         "The moving target indicator's notch follows the ground in the beam's middle: for a radar that "
         "flies.",
-        {.knob = "clutter lock"}),
+        {.knob = "clutter lock", .modes = "mti"}),
     row<&RadarSettings::doppler, &DopplerSettings::resolution_m>(
         "doppler.resolution_m", "m", closed(0.5, 100), "resolution_m", {345, i32, 1e3},
-        "Of an image of synthetic aperture (sar), across range; along range the pulse has it."),
+        "Of an image of synthetic aperture (sar), across range; along range the pulse has it.",
+        {.knob = "resolution", .modes = "sar"}),
 };
 
 }  // namespace

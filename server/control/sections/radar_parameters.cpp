@@ -106,7 +106,7 @@ const std::array kParameters{
                               "What the pulses make: the map of mean echoes, moving targets alone (mti), a "
                               "map sharpened by Doppler "
                               "(dbs), or an image of synthetic aperture (sar).",
-                              {.knob = "mode"}),
+                              {.knob = "mode", .not_ideal = true}),
     row<&RadarSettings::sector_deg>(
         "radar.sector_deg", "deg", above(0, 360), "sector_deg", {234, i32, 1e6},
         "Width of the sector in azimuth; the symmetric frustum needs less than 180.", {.knob = "sector"}),

@@ -84,7 +84,7 @@ const std::array kParameters{
         "atmosphere.wind_m_s", "m/s", closed(0, 60), "wind_m_s", {347, i32, 1e3},
         "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "
         "through.",
-        {.knob = "wind"}),
+        {.knob = "wind", .modes = "mti"}),
 };
 
 }  // namespace

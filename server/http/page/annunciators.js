@@ -3,9 +3,10 @@
 import { UNIT_M } from "./grid.js";
 import { UP_WORDS } from "./heading.js";
 import { bearingText, minutesText } from "./readout.js";
+import { modeWord } from "./mode.js";
 import { number } from "./messages.js";
 
-const MARKUP = `<div class="annun upper left"></div><div class="annun upper right"></div><div class="annun lower left"></div>`;
+const MARKUP = `<div class="annun upper left"></div><div class="annun upper right"></div><div class="annun lower left"><b class="mode"></b><span></span></div>`;
 const MINUS = "−";
 
 /** A range as operators say it: two decimals below 1, one below 10. */
@@ -20,7 +21,7 @@ const signed = (value, digits) => {
 };
 
 /** "TURNING 24 RPM", "SECTOR 120° 60°/s", "WHOLE FRAMES". */
-function modeText(s, pane) {
+function scanText(s, pane) {
   if (pane.isRendered) return "RENDERED ONCE";
   const rate = number(s.scan_rate_deg_s);
   if (s.scan_mode === "CIRCULAR_SCAN") return `TURNING ${+(rate / 6).toFixed(1)} RPM`;
@@ -43,7 +44,7 @@ export class Annunciators {
   /** @param {HTMLElement} element of the picture */
   constructor(element) {
     element.insertAdjacentHTML("beforeend", MARKUP);
-    [this.upperLeft, this.upperRight, this.lowerLeft] = element.querySelectorAll(".annun");
+    [this.upperLeft, this.upperRight, this.mode, this.lowerLeft] = element.querySelectorAll(".annun.upper, .annun.lower > *");
   }
 
   /** @param {import("./pane.js").Pane} pane */
@@ -58,7 +59,7 @@ export class Annunciators {
     const ahead = heading.heading_deg;
     this.#put(this.upperLeft, [
       `RNG ${rangeText(placement.rMax_m, look.unit)}${look.rings && ringStep ? `  RINGS ${+ringStep.step.toPrecision(4)}` : ""}`,
-      [modeText(s, pane), stops].filter(Boolean).join("  "),
+      [scanText(s, pane), stops].filter(Boolean).join("  "),
       ...(look.trails ? [`TRAILS ${look.trails} min ${look.relative ? "R" : "T"}`] : []),
     ]);
     this.#put(this.upperRight, [
@@ -69,6 +70,7 @@ export class Annunciators {
       minutesText(number(pose.longitude_deg), "E", "W"),
       `HGT ${number(pose.height_m).toFixed(0)} m${{ GROUND: " AGL" }[pose.height_reference] ?? ""}`,
     ]);
+    this.#put(this.mode, [modeWord(s)]);
     this.#put(this.lowerLeft, knobTexts(s, pose));
   }
 

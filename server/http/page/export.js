@@ -1,6 +1,7 @@
 // The picture as a PNG, with its legend and a caption.
 
 import { bearingText, distanceText } from "./readout.js";
+import { modeWord } from "./mode.js";
 import { number } from "./messages.js";
 
 const LINE_PX = 18;
@@ -16,8 +17,8 @@ export function captionOf(pane, app) {
   const signed = (value, positive, negative) => `${Math.abs(value).toFixed(5)}° ${value < 0 ? negative : positive}`;
   const compensated = scale.compensated && pane.bins.mayCompensate ? " with r²" : "";
   return [
-    `${link.welcome?.scene_name ?? d.scene_name} · ${pane.pick.selectedOptions[0]?.text ?? d.radar} · ` +
-      `${timeText(pane)} · ${pane.isRendered ? "rendered once" : `frame ${d.frame_id ?? 0}`}`,
+    [link.welcome?.scene_name ?? d.scene_name, pane.pick.selectedOptions[0]?.text ?? d.radar, modeWord(d.settings), timeText(pane),
+      pane.isRendered ? "rendered once" : `frame ${d.frame_id ?? 0}`].filter(Boolean).join(" · "),
     `${signed(number(pose.latitude_deg), "N", "S")} ${signed(number(pose.longitude_deg), "E", "W")}, ` +
       `${number(pose.height_m).toFixed(0)} m, bearing ${bearingText(number(pose.bearing_deg))} · ` +
       `${distanceText(placement.r0_m, look.unit)} to ${distanceText(placement.rMax_m, look.unit)}`,

@@ -12,6 +12,7 @@
  * @property {string} text
  * @property {Record<string, string>} [enumerators] of a choice: what the stream calls each word
  * @property {string} [knob] its name among what an operator turns
+ * @property {string[]} [modes] words of radar.mode that it matters to; none: all
  * @property {boolean} [of_programs] nothing for a form
  * @property {boolean} [not_ideal] other than by default, bins are more than an ideal map's echoes
  */

@@ -37,6 +37,11 @@ export class Levels {
     this.isSettled = false;
   }
 
+  /** Whether no value of the video would be seen: a picture of too few echoes for levels of its own, that makes up for the range no more. */
+  #misses(bins) {
+    return !bins.mayCompensate && bins.floor_dB + 254 * bins.step_dB < this.low_dB;
+  }
+
   set(low_dB, span_dB) {
     Object.assign(this, { low_dB, span_dB, auto: false });
   }
@@ -52,7 +57,7 @@ export class Levels {
     const own = receiverLevels(bins.descriptor);
     if (!own && this.isSettled && hasReceiver(bins.descriptor)) return null;
     const best = own ?? bins.bestScale(table);
-    if (!best) return null;
+    if (!best) return this.#misses(bins) ? { low_dB: bins.floor_dB, span_dB: 254 * bins.step_dB } : null;
     const off = Math.max(Math.abs(best.low_dB - this.low_dB), Math.abs(best.span_dB - this.span_dB));
     if (this.isSettled && off < (own ? 0.5 : SETTLED_DB)) return null;
     this.isSettled = true;

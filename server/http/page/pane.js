@@ -107,10 +107,20 @@ export class Pane {
       this.app.targets.take(this, { body, plane });
     } else if (type === "FrameEnd") {
       if (bins.end(body)) ppi.refresh();
+      this.#law();
       this.level(performance.now());
     } else if (type === "FrameAbort") {
       bins.abort();
     }
+  }
+
+  /** The legend says whether the picture makes up for the range. */
+  #law() {
+    const { bins, ppi } = this;
+    if (this.mayCompensate === bins.mayCompensate) return;
+    this.mayCompensate = bins.mayCompensate;
+    ppi.needs.grid = true;
+    this.app.display.show();
   }
 
   /** Of what comes; a picture that another up turns is laid out anew. */

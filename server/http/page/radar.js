@@ -1,6 +1,7 @@
 // The tabs Radar and Settings: who controls the radar, its switches and its parameters.
 
 import { Field, refusalText } from "./form.js";
+import { ModeSwitch } from "./mode.js";
 import { Refused } from "./stream.js";
 import { UNIT_M } from "./grid.js";
 import { number } from "./messages.js";
@@ -116,6 +117,7 @@ export class RadarControls {
     this.own.onclick = () => this.scale(this.own_m);
     this.scaleChoice = choice();
     row("Range", this.scaleChoice, this.scaleUnitText, this.own);
+    this.mode = new ModeSwitch(app, panel);
     this.general = make("p", "");
     this.general.className = "refusal";
     this.general.setAttribute("role", "alert");
@@ -165,7 +167,8 @@ export class RadarControls {
     this.table = table.filter(({ message_field, of_programs }) => message_field && !of_programs);
     this.fields = [];
     const knobs = this.table.filter(({ knob }) => knob);
-    this.quick.replaceChildren(...knobs.map((parameter) => this.#field(parameter, parameter.knob).element));
+    const knobOf = (parameter) => this.#field(parameter, parameter.knob);
+    this.quick.replaceChildren(...this.mode.use(knobs, knobOf).map((parameter) => knobOf(parameter).element));
     const sections = [...new Set(this.table.map(({ key }) => key.split(".")[0]))];
     this.section.replaceChildren(...sections.map((name) => new Option(name, name)));
     this.#fillSection();
@@ -178,8 +181,7 @@ export class RadarControls {
   }
 
   #fillSection() {
-    const inQuick = this.fields.filter(({ element }) => element.parentElement === this.quick);
-    this.fields = inQuick;
+    this.fields = this.fields.filter(({ element }) => $("radar").contains(element));
     const own = this.table.filter(({ key }) => key.startsWith(`${this.section.value}.`));
     this.all.replaceChildren(...own.map((parameter) => this.#field(parameter).element));
     this.show();
@@ -317,6 +319,7 @@ export class RadarControls {
     for (const [button, range_m] of [[this.own, own_m], ...this.scales.map((button, k) => [button, this.scales_m[k]])])
       button.setAttribute("aria-pressed", String(isSame(number(info?.settings?.r_max_m), range_m)));
     if (info) for (const field of this.fields) field.show(info, mine);
+    this.mode.show(info, mine, why || "Take control first (K)", role === "viewer" || Boolean(app.debrief?.state));
     for (const pane of app.panes) {
       const had = pane.ppi.handle;
       pane.ppi.handle = mine && pane === app.panes[0];
