@@ -63,7 +63,8 @@ Status Client::load_exercise(const wire::ExerciseState& state) {
   *change.mutable_targets() = state.targets();
   std::vector<std::string> warnings;
   Status status = set_targets(change, warnings);
-  if (!status.ok()) status.text = "the radars are as the state says, the targets as they were: " + status.text;
+  if (!status.ok())
+    status.text = "the radars are as the state says, the targets as they were: " + status.text;
   return status;
 }
 

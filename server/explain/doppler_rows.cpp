@@ -18,7 +18,7 @@ namespace {
 constexpr double kLight_m_s = 299792458.0;
 
 /// Average gain times clutter attenuation of a canceller over echoes whose correlation after k pulses is
-/// rho[k] (Skolnik 2008, section 2.5); infinite where they stand still.
+/// rho[k] (Skolnik 2008, chapter 2); infinite where they stand still.
 double improvement_db(int delays, const MovingResidue& rho) {
   double left = 1;
   for (int k = 1; k <= delays; ++k)
@@ -95,7 +95,7 @@ ReportRow canceller_row(const FramePlan& plan) {
            {"mti", turns, "Turning, {pulses:.1f} pulses a beamwidth: it improves by {turning}. "},
            {"mti", cells > 0, "Flying, {speed_m_s:.1f} m/s across the beam: {flying}. "},
            {"mti", !doppler.windy().empty(), "Woods and grass in the wind: {wind}. "},
-           {"mti", std::isfinite(least.db), "{by} limits it, {least}. "},
+           {"mti", std::isfinite(least.db), "Of these {by} limits it: {least}. "},
            {"mti", !std::isfinite(least.db), "Ground that stands still leaves nothing. "},
            {"mti", !doppler.has_lock() && std::abs(own_m_s) > 1,
             "The ground in the beam's middle closes at {own_m_s:.0f} m/s: doppler.clutter_lock = true "

@@ -187,12 +187,10 @@ class Experiment {
     }
     const auto power_of = [&](const RadarSettings& settings) { return power(loaded, settings); };
     result_.radar = radar_rows(input_.settings, air_view(loaded.own->looks_at()), power_of);
-    for (ReportRow& row : doppler_rows(*plan(loaded, input_.settings)))
-      result_.radar.push_back(std::move(row));
+    const auto planned = plan(loaded, input_.settings);
+    append(result_.radar, doppler_rows(*planned));
     if (input_.targets)
-      for (ReportRow& row : target_rows(*plan(loaded, input_.settings), air_view(loaded.own->looks_at()),
-                                        *input_.targets, input_.target_names))
-        result_.radar.push_back(std::move(row));
+      append(result_.radar, target_rows(*planned, air_view(loaded.own->looks_at()), input_));
     RadarSettings own = sharp_settings(input_.settings);
     own.range_normalisation = false;
     own.power_w = 1;

@@ -114,9 +114,6 @@ std::vector<ReportRow> radar_rows(const RadarSettings& settings, const AirView& 
                                   const std::function<std::vector<double>(const RadarSettings&)>& power_of);
 /// What its mode makes of Doppler; none of a map.
 std::vector<ReportRow> doppler_rows(const FramePlan& plan);
-/// The first of the scene's targets, by the radar equation. names: in their order.
-std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, const TargetSet& targets,
-                                   const std::vector<std::string>& names);
 /// From where on the ingredient matters: a closed form with this scene's own numbers.
 std::string threshold_text(const Comparison& comparison, const Explanation& explanation);
 
@@ -145,6 +142,9 @@ struct ExplainInput {
   std::vector<std::string> target_names{};
   std::function<void(const World&)> on_loaded{};  ///< told of the scene as it is, before anything is changed
 };
+
+/// The first of its targets, by the radar equation; there are some.
+std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, const ExplainInput& input);
 
 /// Renders some wedges of the scene as it is and with one ingredient after the other changed, one changed
 /// world in memory at a time. Throws InputError when the scene itself cannot be loaded or rendered; a change

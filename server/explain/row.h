@@ -1,6 +1,7 @@
 #pragma once
 // Lines of a report as data: the values that are measured, by name, and a table of templates that say them.
 #include <initializer_list>
+#include <iterator>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -48,6 +49,10 @@ struct Clause {
 struct ReportRow {
   std::string name, text;
 };
+
+inline void append(std::vector<ReportRow>& rows, std::vector<ReportRow> more) {
+  rows.insert(rows.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
 
 /// The rows of which anything is said, in the table's order. Throws fmt::format_error when any clause, said
 /// or not, has a name that there is not.

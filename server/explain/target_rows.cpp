@@ -19,8 +19,9 @@ constexpr double kProbability = 0.9;
 
 }  // namespace
 
-std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, const TargetSet& targets,
-                                   const std::vector<std::string>& names) {
+std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, const ExplainInput& input) {
+  const TargetSet& targets = *input.targets;
+  const std::vector<std::string>& names = input.target_names;
   const RadarSettings& s = plan.settings();
   TargetLook look;
   look.truth = true;

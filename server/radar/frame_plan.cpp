@@ -32,7 +32,8 @@ EchoPlace place_of(const Scene& scene, const RadarSettings& settings, const Pose
   if (uses_doppler(settings)) place.velocity = velocity_of(scene, settings, pose, place.axes);
   if (settings.mode == RadarMode::mti && settings.atmosphere.wind_m_s > 0)
     for (std::size_t id = 0; id < scene.materials().size(); ++id)
-      if (scene.materials()[id].wind && scene.materials()[id].used) place.windy.push_back(static_cast<int>(id));
+      if (scene.materials()[id].wind && scene.materials()[id].used)
+        place.windy.push_back(static_cast<int>(id));
   SectorExtent extent;
   if (std::isnan(pose.ground_y_m)) extent = measure_sector(scene, Sector(settings, pose));
   const double above_m = pose.antenna.m.y - ground_y_m(pose, extent);

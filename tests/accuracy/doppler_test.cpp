@@ -1,5 +1,5 @@
 // Modes that look at Doppler over level ground and of single targets, against closed forms (Skolnik 2008,
-// chapter 3; the numbers were worked out by sums of their own).
+// chapter 2; the numbers were worked out by sums of their own).
 #include <gtest/gtest.h>
 
 #include <cmath>

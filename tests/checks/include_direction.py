@@ -14,11 +14,11 @@ import tempfile
 # the longest name that fits decides.
 BASE = ["terrain/base"]
 WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled",
-    "server/radar/receiver_settings"]
+    "server/radar/receiver_settings", "server/radar/doppler_settings"]
 R = "server/radar/"
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
-TO_PLAN = TO_GEOMETRY + [R + "beam", R + "narrow_bins", R + "scene_plan", R + "frame_plan"]
+TO_PLAN = TO_GEOMETRY + [R + "beam", R + "doppler", R + "taper", R + "narrow_bins", R + "scene_plan", R + "frame_plan"]
 TO_PLATES = TO_PLAN + [R + "visibility", R + "echo", R + "rays/ray_batch"]
 SERVER_CORE = ["terrain", "server/scene", "server/radar"]
 TO_OUTPUT = SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control", "server/output"]
@@ -41,12 +41,15 @@ ALLOWED = {
     "server/radar/bins": TO_PROFILE,
     "server/radar/beam_settings": [],
     "server/radar/receiver_settings": [],
-    "server/radar/settings": TO_PROFILE + ["server/radar/beam_settings", "server/radar/receiver_settings"],
+    "server/radar/doppler_settings": [],
+    "server/radar/taper": [],
+    "server/radar/settings": TO_PROFILE + ["server/radar/beam_settings", "server/radar/receiver_settings", "server/radar/doppler_settings"],
     "server/radar/samples": ["terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,
-    "server/radar/beam": TO_PROFILE + WORDS,
+    "server/radar/doppler": TO_PROFILE + WORDS + [R + "taper"],
+    "server/radar/beam": TO_PROFILE + WORDS + [R + "doppler", R + "taper"],
     "server/radar/geometry": TO_GEOMETRY,
-    "server/radar/scene_plan": TO_GEOMETRY + [R + "beam"],
+    "server/radar/scene_plan": TO_GEOMETRY + [R + "beam", R + "doppler", R + "taper"],
     "server/radar/narrow_bins": TO_PROFILE + WORDS,
     "server/radar/frame_plan": TO_PLAN,
     "server/radar/visibility": TO_PLAN,
@@ -56,7 +59,7 @@ ALLOWED = {
     "server/radar/rays/plates": TO_PLATES,
     "server/radar/rays": TO_PLATES + [R + "rays/plates"],
     "server/radar/sweep": TO_PLAN + [R + "echo"],
-    "server/radar/receiver": BASE + WORDS + [R + "simd", R + "beam"],
+    "server/radar/receiver": BASE + WORDS + [R + "simd", R + "beam", R + "doppler"],
     "server/radar/targets": TO_PLAN + [R + "receiver/weather"],
     "server/radar": ["terrain", "server/scene"],
     # The truth shares no code with the pipeline but the material functions.

@@ -1,7 +1,5 @@
 #include "server/radar/beam/echo_layout.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <string>
 
 #include "server/radar/beam/beam_on_ground.h"
+#include "server/radar/beam/doppler_fault.h"
 #include "server/radar/beam/echo_plan.h"
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/beam/point_response.h"
@@ -47,8 +46,6 @@ constexpr std::int64_t kSineBytesABin = 4;
 constexpr std::int64_t kWidthsBytes = 512 * sizeof(double) + 128;
 /// An antenna so high sees all its ground steeply; one on the ground, none.
 const EchoPlace kHigh{std::numeric_limits<double>::infinity(), 0, {}};
-/// Below it an image of synthetic aperture would take for ever.
-constexpr double kLeastAcross_m_s = 0.1;
 /// Of what flies in the air.
 constexpr double kFast_m_s = 1000;
 /// Any that leans, as any height does, sees all azimuths at any scan angle from there.
@@ -336,42 +333,6 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   }
   return size;
 }
-
-namespace {
-
-/// Too fast for its mode, or not flying at all.
-std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout& layout,
-                                        const EchoPlace& place) {
-  const std::string speed = fmt::format("{:.4g}", place.velocity.level_m_s()) + " m/s";
-  if (s.mode == RadarMode::sar && place.velocity.across_m_s(0) < kLeastAcross_m_s)
-    return FieldError{"radar.mode",
-                      "\"sar\" of an antenna that does not fly across its line of sight (" + speed + ")",
-                      "poses with a velocity across the sector's middle, or another mode"};
-  if (!uses_doppler(s) || s.mode == RadarMode::sar || layout.wanted_parts <= kMostSubBins)
-    return std::nullopt;
-  // B + 3 rows a beamwidth, of which there may be so many; B goes with the time.
-  const double across_m_s = place.velocity.most_across_m_s(s.sector_deg * kPi / 180);
-  const double beam_rad = narrowest_beam_rad(s);
-  const double wanted = rows_a_beamwidth(s, beam_rad, across_m_s);
-  const double most = kMostSubBins * beam_rad / s.azimuth_bin_rad();
-  const double cells = cells_in_beam(s, beam_rad, across_m_s);
-  const double most_cells = cells - (wanted - most);
-  std::string allowed =
-      "bins.azimuth = " + std::to_string(counted(std::ceil(s.azimuth_bins * wanted / most)));
-  if (most_cells > 0) {
-    const int pulses = counted(s.doppler.pulses * most_cells / cells);
-    if (s.mode == RadarMode::dbs && pulses >= 2) allowed += ", at most " + std::to_string(pulses) + " pulses";
-    allowed += fmt::format(", or pulse.prf_hz = {:.6g}", std::ceil(s.pulse.prf_hz * cells / most_cells));
-  }
-  const std::string what =
-      s.mode == RadarMode::dbs ? std::to_string(s.doppler.pulses) + " pulses" : std::string("a canceller");
-  return FieldError{s.mode == RadarMode::dbs ? "doppler.pulses" : "pulse.prf_hz",
-                    what + fmt::format(" at {:.6g} Hz and ", s.pulse.prf_hz) + speed +
-                        " with bins.azimuth = " + std::to_string(s.azimuth_bins),
-                    allowed};
-}
-
-}  // namespace
 
 std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout& layout,
                                        const EchoPlace& place) {

@@ -2,8 +2,8 @@
 #include <memory>
 #include <optional>
 
-#include "server/radar/beam/taper.h"
 #include "server/radar/settings.h"
+#include "server/radar/taper.h"
 
 namespace obliq {
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "server/radar/beam/taper.h"
 #include "server/radar/settings.h"
+#include "server/radar/taper.h"
 
 namespace obliq {
 

@@ -24,12 +24,11 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
       windy_(std::move(windy)),
       ground_(velocity, wavelength_at(settings.frequency_ghz)),
       response_(settings) {
-  // T = lambda r / (2 v sin(psi) resolution) at the sector's centre (Carrara, Goodman, Majewski 1995,
-  // eq. 2.26).
   if (!windy_.empty()) {
     moving_share_ = WindSpectrum(settings.atmosphere.wind_m_s, settings.frequency_ghz).moving;
     residue_ = moving_residue(settings);
   }
+  // T = lambda r / (2 v sin(psi) resolution), psi that of the sector's centre.
   const double across_m_s = velocity.across_m_s(0);
   if (mode_ == RadarMode::sar && across_m_s > 0)
     sar_s_a_m_ = wavelength_at(settings.frequency_ghz) / (2 * across_m_s * settings.doppler.resolution_m);

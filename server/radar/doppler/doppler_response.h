@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/radar/beam/taper.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/doppler_sums.h"
+#include "server/radar/taper.h"
 
 namespace obliq {
 

@@ -1,4 +1,4 @@
-#include "server/radar/beam/taper.h"
+#include "server/radar/taper.h"
 
 #include <cmath>
 #include <numbers>

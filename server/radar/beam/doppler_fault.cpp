@@ -1,0 +1,53 @@
+#include "server/radar/beam/doppler_fault.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "server/radar/beam/sub_bins.h"
+#include "terrain/base/units.h"
+
+namespace obliq {
+namespace {
+
+/// Below it an image of synthetic aperture would take for ever.
+constexpr double kLeastAcross_m_s = 0.1;
+
+int whole(double number) { return static_cast<int>(std::min(number, 1e9)); }
+
+}  // namespace
+
+std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout& layout,
+                                        const EchoPlace& place) {
+  const std::string speed = fmt::format("{:.4g}", place.velocity.level_m_s()) + " m/s";
+  if (s.mode == RadarMode::sar && place.velocity.across_m_s(0) < kLeastAcross_m_s)
+    return FieldError{"radar.mode",
+                      "\"sar\" of an antenna that does not fly across its line of sight (" + speed + ")",
+                      "poses with a velocity across the sector's middle, or another mode"};
+  if (!uses_doppler(s) || s.mode == RadarMode::sar || layout.wanted_parts <= kMostSubBins)
+    return std::nullopt;
+  // B + 3 rows a beamwidth, of which there may be so many; B goes with the time.
+  const double across_m_s = place.velocity.most_across_m_s(s.sector_deg * kDegree_rad);
+  const double beam_rad = narrowest_beam_rad(s);
+  const double wanted = rows_a_beamwidth(s, beam_rad, across_m_s);
+  const double most = kMostSubBins * beam_rad / s.azimuth_bin_rad();
+  const double cells = cells_in_beam(s, beam_rad, across_m_s);
+  const double most_cells = cells - (wanted - most);
+  std::string allowed = "bins.azimuth = " + std::to_string(whole(std::ceil(s.azimuth_bins * wanted / most)));
+  if (most_cells > 0) {
+    const int pulses = whole(s.doppler.pulses * most_cells / cells);
+    if (s.mode == RadarMode::dbs && pulses >= 2) allowed += ", at most " + std::to_string(pulses) + " pulses";
+    allowed += fmt::format(", or pulse.prf_hz = {:.6g}", std::ceil(s.pulse.prf_hz * cells / most_cells));
+  }
+  const std::string what =
+      s.mode == RadarMode::dbs ? std::to_string(s.doppler.pulses) + " pulses" : std::string("a canceller");
+  return FieldError{s.mode == RadarMode::dbs ? "doppler.pulses" : "pulse.prf_hz",
+                    what + fmt::format(" at {:.6g} Hz and ", s.pulse.prf_hz) + speed +
+                        " with bins.azimuth = " + std::to_string(s.azimuth_bins),
+                    allowed};
+}
+
+}  // namespace obliq
