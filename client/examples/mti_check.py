@@ -135,7 +135,7 @@ def displacement(server):
 # ---- Closed forms
 
 def closed_improvements():
-    """Of a Gaussian beam that turns by half its power in n pulses: 1 / (1 - r1), 3 / (3 - 4 r1 + r2) (Skolnik 2008, section 3)."""
+    """Of a Gaussian beam that turns by half its power in n pulses: 1 / (1 - r1), 3 / (3 - 4 r1 + r2) (Radar Handbook 2008, chapter 2)."""
     r1, r2 = (math.exp(-2 * math.log(2) * (k / PULSES_A_BEAM) ** 2) for k in (1, 2))
     return db(1 / (1 - r1)), db(3 / (3 - 4 * r1 + r2))
 
