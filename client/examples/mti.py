@@ -3,9 +3,10 @@
 
   python3 mti.py [--looks 8] [--scene SCENE.toml] [--server HOST:PORT]
 
-Starts an obliqd of its own on deploy/scenes/mti_convoy.toml unless --server names one. Power is averaged over some looks, which have
-speckle, noise and fluctuation of their own. A bin stands out where it is well above the mean of a frame of bins around it (a
-CFAR detector), and a place is found where a bin that stands out is the strongest within a beam. The truth says afterwards which of them are trucks.
+Starts an obliqd of its own on deploy/scenes/mti_convoy.toml unless --server names one. Power is averaged over
+some looks, which have speckle, noise and fluctuation of their own. A bin stands out where it is well above the mean of a ring of
+bins around it (a CFAR detector), and a place is found where a bin that stands out is the strongest within a beam. The truth says
+afterwards which of them are trucks.
 """
 import argparse
 import pathlib
@@ -29,7 +30,8 @@ def box_mean(values, half):
     for axis, n in enumerate(half):
         padded = np.pad(values, [(n + 1, n) if k == axis else (0, 0) for k in (0, 1)], mode="edge")
         sums = np.cumsum(padded, axis)
-        values = (np.take(sums, range(2 * n + 1, sums.shape[axis]), axis) - np.take(sums, range(sums.shape[axis] - 2 * n - 1), axis)) / (2 * n + 1)
+        last, first = np.arange(2 * n + 1, sums.shape[axis]), np.arange(sums.shape[axis] - 2 * n - 1)
+        values = (np.take(sums, last, axis) - np.take(sums, first, axis)) / (2 * n + 1)
     return values
 
 
@@ -70,11 +72,13 @@ def report(server, info, mode, looks):
     for t in frame.targets:
         near = [k for k, (at, _) in left.items()
                 if abs(at[0] - t["azimuth_bin"]) <= beam_bins / 3 and abs(at[1] - t["range_bin"]) <= 2]
-        text = f"  truth {t['bearing_deg']:6.2f} deg {t['range_m']:5.0f} m, {t['closing_m_s']:5.1f} m/s, {t['snr_db']:4.1f} dB over the noise: "
+        text = (f"  truth {t['bearing_deg']:6.2f} deg {t['range_m']:5.0f} m, {t['closing_m_s']:5.1f} m/s, "
+                f"{t['snr_db']:4.1f} dB over the noise: ")
         if near:
             at, ratio = left.pop(near[0])
             trucks += 1
-            text += f"found at {frame.azimuth_deg[at[0]] % 360:6.2f} deg {frame.range_m[at[1]]:5.0f} m, {10 * np.log10(ratio):4.1f} dB above its surroundings"
+            text += (f"found at {frame.azimuth_deg[at[0]] % 360:6.2f} deg {frame.range_m[at[1]]:5.0f} m, "
+                     f"{10 * np.log10(ratio):4.1f} dB above its surroundings")
         else:
             text += "not found"
         lines.append(text)

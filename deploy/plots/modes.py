@@ -44,7 +44,7 @@ def on_ground(frame, power, centre_m, side_m, pixels):
 
 
 def show(axes, image_db, levels_db, side_m, centre_m, title):
-    extent = [(centre_m[0] - side_m / 2) / 1000, (centre_m[0] + side_m / 2) / 1000, (centre_m[1] - side_m / 2) / 1000, (centre_m[1] + side_m / 2) / 1000]
+    extent = [(middle + half) / 1000 for middle in centre_m for half in (-side_m / 2, side_m / 2)]
     axes.set_facecolor("black")
     axes.imshow(image_db, cmap="gray", vmin=levels_db[0], vmax=levels_db[1], extent=extent, interpolation="nearest")
     axes.set_title(title, fontsize=11)

@@ -27,7 +27,8 @@ def feature(ring, **properties):
 
 def rectangle(x, y, length, width, turned_deg=0.0):
     c, s = math.cos(math.radians(turned_deg)), math.sin(math.radians(turned_deg))
-    return [(x + c * a - s * b, y + s * a + c * b) for a, b in ((-length / 2, -width / 2), (length / 2, -width / 2), (length / 2, width / 2), (-length / 2, width / 2))]
+    corners = [(-length / 2, -width / 2), (length / 2, -width / 2), (length / 2, width / 2), (-length / 2, width / 2)]
+    return [(x + c * a - s * b, y + s * a + c * b) for a, b in corners]
 
 
 def band(points, width):
@@ -54,8 +55,8 @@ def houses():
             angle = 360 * (k + dice.uniform(0.3, 0.7)) / count
             if min(abs((angle + 45) % 90 - 45), 90) * math.pi / 180 * radius < 14:
                 continue  # the four roads
-            house(radius * math.cos(math.radians(angle)), radius * math.sin(math.radians(angle)), dice.uniform(15, 20), dice.uniform(9, 12),
-                  angle + 90 + dice.uniform(-6, 6), dice.uniform(7, 12))
+            x, y = radius * math.cos(math.radians(angle)), radius * math.sin(math.radians(angle))
+            house(x, y, dice.uniform(15, 20), dice.uniform(9, 12), angle + 90 + dice.uniform(-6, 6), dice.uniform(7, 12))
     house(30, 22, 38, 16, 8, 22)  # the church
     for column in range(5):  # a new quarter: streets every 80 m
         for row in range(5):
@@ -69,7 +70,8 @@ def houses():
         house(330 + 95 * k, -200, 80, 40, -6, 12)
     for k in range(8):
         x, y = 320 + 48 * (k % 4), -320 - 48 * (k // 4)
-        made.append(feature([(x + 15 * math.cos(math.radians(45 * n)), y + 15 * math.sin(math.radians(45 * n))) for n in range(8)], height=14))
+        corners = [(x + 15 * math.cos(math.radians(45 * n)), y + 15 * math.sin(math.radians(45 * n))) for n in range(8)]
+        made.append(feature(corners, height=14))
     for k in range(4):  # hangars
         house(-330 + 70 * k, -330, 45, 35, 10, 11)
     return made
@@ -85,11 +87,12 @@ def ground():
     made.append(feature([(-900, 420), (-520, 330), (-330, 470), (-350, 760), (-620, 900), (-900, 880)], kind="forest"))
     made.append(feature([(420, -560), (700, -500), (900, -640), (880, -900), (560, -880)], kind="forest"))
     made.append(feature([(-230, -230), (230, -230), (230, 230), (-230, 230)], kind="grass"))
-    river = [(-1000, 40), (-760, 110), (-560, 60), (-430, -80), (-300, -190), (-100, -250), (120, -260), (260, -420), (380, -640), (360, -1000)]
+    river = [(-1000, 40), (-760, 110), (-560, 60), (-430, -80), (-300, -190), (-100, -250), (120, -260), (260, -420), (380, -640),
+             (360, -1000)]
     made.append(feature(band(river, 42), kind="water"))
     made.append(feature(rectangle(-330, -450, 1000, 45, 10), kind="road"))  # the runway
-    roads = [[(-1000, 0), (1000, 20)], [(0, -1000), (0, 1000)], *([(240, 90 + 80 * k), (700, 90 + 80 * k)] for k in range(6)),
-             *([(250 + 80 * k, 0), (250 + 80 * k, 500)] for k in range(6)), [(0, -200), (600, -260)]]
+    roads = [[(-1000, 0), (1000, 20)], [(0, -1000), (0, 1000)], [(0, -200), (600, -260)],
+             *([(240, 90 + 80 * k), (700, 90 + 80 * k)] for k in range(6)), *([(250 + 80 * k, 0), (250 + 80 * k, 500)] for k in range(6))]
     made += [feature(band(road, 11), kind="road") for road in roads]
     return made
 
@@ -98,7 +101,8 @@ def main():
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else SCENES
     for name, features in (("town_houses", houses()), ("town_ground", ground())):
         lines = ",\n".join(json.dumps(one) for one in features)
-        (folder / f"{name}.geojson").write_text(f'{{"type": "FeatureCollection", "description": "Made up by deploy/plots/town.py.", "features": [\n{lines}\n]}}\n')
+        head = '{"type": "FeatureCollection", "description": "Made up by deploy/plots/town.py.", "features": ['
+        (folder / f"{name}.geojson").write_text(f"{head}\n{lines}\n]}}\n")
 
 
 if __name__ == "__main__":
