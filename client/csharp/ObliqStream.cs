@@ -359,7 +359,8 @@ namespace Obliq
         // The integers among the fields of RadarSettings, of Pose and of Target, as obliq.proto has them.
         private static readonly string[] Int32s = {
             "pixel_columns", "pixel_rows", "azimuth_bins", "range_bins", "scan_dwell_bins", "sub_columns",
-            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks", "planes_per_bin", "swerling" };
+            "beam_nbar", "pulse_nbar", "pulse_extent_bins", "adc_bits", "video_looks", "planes_per_bin",
+            "doppler_pulses", "canceller", "swerling" };
         private static readonly string[] Int64s = {
             "speckle_seed", "noise_seed", "sim_time_ns" };
         private static readonly string[] Uint64s = {

@@ -437,10 +437,12 @@ class GetEvents(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., after: _Optional[int] = ..., follow: bool = ..., with_state: bool = ...) -> None: ...
 
 class GetExercise(_message.Message):
-    __slots__ = ["request_id"]
+    __slots__ = ["request_id", "without_targets"]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    WITHOUT_TARGETS_FIELD_NUMBER: _ClassVar[int]
     request_id: int
-    def __init__(self, request_id: _Optional[int] = ...) -> None: ...
+    without_targets: bool
+    def __init__(self, request_id: _Optional[int] = ..., without_targets: bool = ...) -> None: ...
 
 class GetRadar(_message.Message):
     __slots__ = ["radar", "request_id"]

@@ -82,8 +82,8 @@ class Settings(Fields):
         1000000 Hz.
     doppler_pulses: Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows.
         Allowed: integer 2 to 1024.
-    doppler_window: Weights of these pulses: wider beams, lower sidelobes. Allowed: "none" | "hamming" | "hann" | "taylor" |
-        "blackman_harris".
+    doppler_window: Weights of these pulses, and of a synthetic aperture: wider beams, lower sidelobes. Allowed: "none" |
+        "hamming" | "hann" | "taylor" | "blackman_harris".
     canceller: Delays of the moving target indicator (mti): more of them cancel more of the ground. Allowed: integer 1 to 3.
     clutter_lock: The moving target indicator's notch follows the ground in the beam's middle: for a radar that flies.
         Allowed: true | false.
@@ -259,6 +259,7 @@ Settings.choices = {
     }
 }
 Settings.ideal = {
+    "mode": "map",
     "beam_pattern": "off",
     "beam_elevation": "off",
     "pulse_kind": "off",
