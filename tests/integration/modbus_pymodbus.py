@@ -44,7 +44,7 @@ class Setpoint:
         self.address = int(self.address)
         scale = re.match(r"1e-(\d+)", count)
         self.counts = 10 ** int(scale.group(1)) if scale else 1
-        self.choices = [int(n) for n in re.findall(r"(?:^|, )(\d+) [a-z]+(?=,|$)", self.allowed)]
+        self.choices = [int(n) for n in re.findall(r"(?:^|, )(\d+) [a-z_]+(?=,|$)", self.allowed)]
         limits = re.match(r'(?:"auto" or a )?(?:number|integer) (?:above )?(\S+?),?(?: to | at most )(\S+)', self.allowed)
         self.limits = [float(x) for x in limits.groups()] if limits else None
 
