@@ -171,8 +171,9 @@ OBLIQ_INLINE void add(Totals& totals, int o, const RowLanes& row, f32x16 weight,
   totals.iq[o].im += row.iq.im * weight;
 }
 
-template <int delays, bool moves>
-OBLIQ_INLINE void locked_sum_of(const LockedSum& sum) {
+}  // namespace
+
+void locked_sum(const LockedSum& sum) {
   const WeighedRows& rows = sum.rows;
   for (int x = rows.first; x < rows.first + rows.n; x += kFloatLanes) {
     Totals totals;
@@ -182,16 +183,16 @@ OBLIQ_INLINE void locked_sum_of(const LockedSum& sum) {
       output_cos[o] = load_floats(sum.output_cos[o] + x);
     }
     for (int k = 0; k < rows.n_rows; ++k) {
-      const RowLanes row(rows, moves ? sum.moving : nullptr, k, x);
+      const RowLanes row(rows, sum.moving, k, x);
       const f32x16 row_sin = load_floats(sum.sin[k] + x);
       const f32x16 row_cos = load_floats(sum.cos[k] + x);
       std::int32_t at = rows.taps_at[k] - rows.skipped;
 #pragma GCC unroll 4
       for (int o = 0; o < kOutputs; ++o, at -= rows.step) {
         const f32x16 s = row_sin * output_cos[o] - row_cos * output_sin[o];
-        f32x16 weight = powered(2.0F * s, delays) * (sum.taps[at] * sum.over_noise_root);
+        f32x16 weight = powered(2.0F * s, sum.delays) * (sum.taps[at] * sum.over_noise_root);
         f32x16 left = row.power * (weight * weight);
-        if constexpr (moves) {
+        if (sum.moving != nullptr) {
           left = (row.power - row.moving) * (weight * weight) +
                  row.moving * (sum.power_taps[at] * residue_of(sum.echoes, s));
           weight = weight_to(weight, row.power, left);
@@ -201,15 +202,6 @@ OBLIQ_INLINE void locked_sum_of(const LockedSum& sum) {
     }
     totals.store_at(rows, x);
   }
-}
-
-}  // namespace
-
-void locked_sum(const LockedSum& sum) {
-  const bool moves = sum.moving != nullptr;
-  if (sum.delays == 1) return moves ? locked_sum_of<1, true>(sum) : locked_sum_of<1, false>(sum);
-  if (sum.delays == 2) return moves ? locked_sum_of<2, true>(sum) : locked_sum_of<2, false>(sum);
-  return moves ? locked_sum_of<3, true>(sum) : locked_sum_of<3, false>(sum);
 }
 
 void cancelled_sum(const CancelledSum& sum) {
