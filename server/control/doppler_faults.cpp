@@ -5,11 +5,18 @@
 
 #include "server/control/key.h"
 #include "server/radar/beam/sub_bins.h"
+#include "server/radar/doppler/doppler_response.h"
 
 namespace obliq {
 namespace {
 
 constexpr double kWidestImage_deg = 10;
+/// Sharp azimuths of an image, with what its response reaches on either side.
+constexpr double kMostRows = 16384;
+// The keys' own limits.
+constexpr double kFinest_m = 0.5;
+constexpr double kCoarsest_m = 100;
+constexpr double kMostBins = 8192;
 
 std::string mode_name(const RadarSettings& s) {
   switch (s.mode) {
@@ -31,15 +38,35 @@ void check_image(const RadarSettings& s, std::vector<FieldError>& errors) {
                       "at most " + toml_number(kWidestImage_deg) + " deg"});
   if (!(s.r_min_m > 0))
     errors.push_back({"radar.r_min_m", "0 with radar.mode = \"sar\"", "the near edge of a patch, above 0"});
+  if (!errors.empty()) return;
+  const std::string bins = std::to_string(s.azimuth_bins);
   const int parts = azimuth_sub_bins(s);
+  const double row_rad = s.azimuth_bin_rad() / parts;
+  const double halo = std::ceil(DopplerResponse::kSarCells * s.doppler.resolution_m / s.r_min_m / row_rad);
+  if (const double rows = static_cast<double>(s.azimuth_bins) * parts + 2 * halo; rows > kMostRows) {
+    const double room = (kMostRows - static_cast<double>(s.azimuth_bins) * parts) / 2;
+    const double most_m = room * row_rad * s.r_min_m / DopplerResponse::kSarCells;
+    errors.push_back({"doppler.resolution_m",
+                      toml_number(s.doppler.resolution_m) +
+                          " in radar.sector_deg = " + toml_number(s.sector_deg) +
+                          " with bins.azimuth = " + bins + ": more rows than " + toml_number(kMostRows),
+                      most_m >= kFinest_m ? "at most " + toml_number(std::floor(1000 * most_m) / 1000) +
+                                                " m, or fewer bins.azimuth, or a wider sector"
+                                          : std::string("fewer bins.azimuth, or a wider sector")});
+    return;
+  }
   if (parts <= kMostSubBins) return;
   const double share = static_cast<double>(parts) / kMostSubBins;
+  const double least_m = std::ceil(1000 * s.doppler.resolution_m * share) / 1000;
+  const double most_bins = std::ceil(s.azimuth_bins * share);
+  std::string allowed;
+  if (least_m <= kCoarsest_m) allowed = "at least " + toml_number(least_m) + " m, or ";
   errors.push_back(
       {"doppler.resolution_m",
-       toml_number(s.doppler.resolution_m) + " with bins.azimuth = " + std::to_string(s.azimuth_bins) +
+       toml_number(s.doppler.resolution_m) + " with bins.azimuth = " + bins +
            " and radar.r_max_m = " + toml_number(s.r_max_m),
-       "at least " + toml_number(std::ceil(1000 * s.doppler.resolution_m * share) / 1000) +
-           " m, or bins.azimuth = " + std::to_string(static_cast<int>(std::ceil(s.azimuth_bins * share)))});
+       allowed + (most_bins <= kMostBins ? "bins.azimuth = " + std::to_string(static_cast<int>(most_bins))
+                                         : std::string("a narrower sector"))});
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <ranges>
+#include <sstream>
 
 #include "server/control/key_list.h"
 #include "server/control/parameters.h"
@@ -179,8 +179,8 @@ std::string parameters_json() {
     for (const Choice& choice : p->key.choices)
       list.back()["enumerators"][std::string(choice.name)] = choice.wire_name;
     if (!p->meaning.knob.empty()) list.back()["knob"] = p->meaning.knob;
-    for (const auto word : std::views::split(p->meaning.modes, ' '))
-      list.back()["modes"].push_back(std::string(word.begin(), word.end()));
+    std::istringstream modes{std::string(p->meaning.modes)};
+    for (std::string word; modes >> word;) list.back()["modes"].push_back(word);
     if (p->meaning.of_programs) list.back()["of_programs"] = true;
     if (p->meaning.not_ideal) list.back()["not_ideal"] = true;
     if (p->meaning.aim) list.back()["aim"] = true;

@@ -107,6 +107,8 @@ std::string steep_beam_warning(const FramePlan& plan) {
 }
 
 void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescriptor& descriptor) {
+  if (plan.sum() != nullptr && !plan.sum()->doppler_warning.empty())
+    descriptor.add_warnings(plan.sum()->doppler_warning);
   if (plan.sum() != nullptr && plan.sum()->doppler)
     for (const std::string& warning : doppler_warnings(plan.settings(), plan.sum()->doppler->velocity()))
       descriptor.add_warnings(warning);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "server/radar/beam/sub_bins.h"
 #include "terrain/base/units.h"
@@ -22,11 +23,19 @@ int whole(double number) { return static_cast<int>(std::min(number, 1e9)); }
 
 std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout& layout,
                                         const EchoPlace& place) {
-  const std::string speed = fmt::format("{:.4g}", place.velocity.level_m_s()) + " m/s";
   if (s.mode == RadarMode::sar && place.velocity.across_m_s(0) < kLeastAcross_m_s)
-    return FieldError{"radar.mode",
-                      "\"sar\" of an antenna that does not fly across its line of sight (" + speed + ")",
-                      "poses with a velocity across the sector's middle, or another mode"};
+    return FieldError{
+        "radar.mode",
+        fmt::format("\"sar\" of an antenna that flies across its line of sight at {:.2f} m/s",
+                    place.velocity.across_m_s(0)),
+        "poses with a velocity across the sector's middle (antenna.velocity_north_m_s, _east_), or "
+        "another mode"};
+  return too_few_rows(s, layout, place);
+}
+
+std::optional<FieldError> too_few_rows(const RadarSettings& s, const EchoLayout& layout,
+                                       const EchoPlace& place) {
+  const std::string speed = fmt::format("{:.4g} m/s", place.velocity.level_m_s());
   if (!uses_doppler(s) || s.mode == RadarMode::sar || layout.wanted_parts <= kMostSubBins)
     return std::nullopt;
   // B + 3 rows a beamwidth, of which there may be so many; B goes with the time.
@@ -36,18 +45,25 @@ std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout
   const double most = kMostSubBins * beam_rad / s.azimuth_bin_rad();
   const double cells = cells_in_beam(s, beam_rad, across_m_s);
   const double most_cells = cells - (wanted - most);
-  std::string allowed = "bins.azimuth = " + std::to_string(whole(std::ceil(s.azimuth_bins * wanted / most)));
+  std::vector<std::string> allowed;  // of what the keys' own limits take
+  constexpr int kMostBins = 8192;
+  constexpr double kMostPrf_hz = 1e6;
+  if (const int bins = whole(std::ceil(s.azimuth_bins * wanted / most)); bins <= kMostBins)
+    allowed.push_back("bins.azimuth = " + std::to_string(bins));
   if (most_cells > 0) {
     const int pulses = whole(s.doppler.pulses * most_cells / cells);
-    if (s.mode == RadarMode::dbs && pulses >= 2) allowed += ", at most " + std::to_string(pulses) + " pulses";
-    allowed += fmt::format(", or pulse.prf_hz = {:.6g}", std::ceil(s.pulse.prf_hz * cells / most_cells));
+    if (s.mode == RadarMode::dbs && pulses >= 2)
+      allowed.push_back("at most " + std::to_string(pulses) + " pulses");
+    const double prf_hz = std::ceil(s.pulse.prf_hz * cells / most_cells);
+    if (prf_hz <= kMostPrf_hz) allowed.push_back(fmt::format("pulse.prf_hz = {:.6g}", prf_hz));
   }
+  if (allowed.empty()) allowed.emplace_back("more azimuth bins and a higher pulse.prf_hz");
   const std::string what =
       s.mode == RadarMode::dbs ? std::to_string(s.doppler.pulses) + " pulses" : std::string("a canceller");
   return FieldError{s.mode == RadarMode::dbs ? "doppler.pulses" : "pulse.prf_hz",
                     what + fmt::format(" at {:.6g} Hz and ", s.pulse.prf_hz) + speed +
                         " with bins.azimuth = " + std::to_string(s.azimuth_bins),
-                    allowed};
+                    fmt::format("{}", fmt::join(allowed, " or "))};
 }
 
 }  // namespace obliq

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "server/radar/beam/doppler_fault.h"
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/doppler/canceller.h"
@@ -198,10 +199,12 @@ struct Planner {
 std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace& place,
                                   std::vector<FieldError>& errors) {
   Planner planner(settings, place);
-  if (const auto fault = layout_fault(settings, planner.layout, place)) {
+  const auto few = too_few_rows(settings, planner.layout, place);
+  if (const auto fault = layout_fault(settings, planner.layout, place); fault && !few) {
     errors.push_back(*fault);
     return std::nullopt;
   }
+  if (few) planner.plan.doppler_warning = few->text();
   planner.weigh_ranges();
   planner.weigh_azimuths();
   return std::move(planner.plan);

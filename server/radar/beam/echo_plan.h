@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/radar/beam/beam_on_ground.h"
@@ -88,8 +89,9 @@ struct EchoPlan : RowWindow {
 
   /// Of modes other than map.
   std::shared_ptr<const DopplerPlan> doppler;
-  double output_rad = 0;  ///< of an output azimuth
-  double start_rad = 0;   ///< left edge of the first output, from the sector's centre
+  std::string doppler_warning;  ///< of too few rows for it
+  double output_rad = 0;        ///< of an output azimuth
+  double start_rad = 0;         ///< left edge of the first output, from the sector's centre
   /// Middles of outputs and of rows, from the sector's centre.
   double output_middle_rad(int azimuth) const { return start_rad + (azimuth + 0.5) * output_rad; }
   double row_middle_rad(int row) const {
