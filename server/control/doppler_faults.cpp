@@ -2,8 +2,9 @@
 
 #include <cmath>
 #include <string>
+#include <string_view>
 
-#include "server/control/key.h"
+#include "server/control/parameters.h"
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/doppler_response.h"
 
@@ -13,10 +14,9 @@ namespace {
 constexpr double kWidestImage_deg = 10;
 /// Sharp azimuths of an image, with what its response reaches on either side.
 constexpr double kMostRows = 16384;
-// The keys' own limits.
-constexpr double kFinest_m = 0.5;
-constexpr double kCoarsest_m = 100;
-constexpr double kMostBins = 8192;
+
+/// What a key may be at most, and at least.
+const Limits& limits_of(std::string_view key) { return find_parameter(key)->key.limits; }
 
 std::string mode_name(const RadarSettings& s) {
   switch (s.mode) {
@@ -50,9 +50,10 @@ void check_image(const RadarSettings& s, std::vector<FieldError>& errors) {
                       toml_number(s.doppler.resolution_m) +
                           " in radar.sector_deg = " + toml_number(s.sector_deg) +
                           " with bins.azimuth = " + bins + ": more rows than " + toml_number(kMostRows),
-                      most_m >= kFinest_m ? "at most " + toml_number(std::floor(1000 * most_m) / 1000) +
-                                                " m, or fewer bins.azimuth, or a wider sector"
-                                          : std::string("fewer bins.azimuth, or a wider sector")});
+                      most_m >= limits_of("doppler.resolution_m").low
+                          ? "at most " + toml_number(std::floor(1000 * most_m) / 1000) +
+                                " m, or fewer bins.azimuth, or a wider sector"
+                          : std::string("fewer bins.azimuth, or a wider sector")});
     return;
   }
   if (parts <= kMostSubBins) return;
@@ -60,13 +61,14 @@ void check_image(const RadarSettings& s, std::vector<FieldError>& errors) {
   const double least_m = std::ceil(1000 * s.doppler.resolution_m * share) / 1000;
   const double most_bins = std::ceil(s.azimuth_bins * share);
   std::string allowed;
-  if (least_m <= kCoarsest_m) allowed = "at least " + toml_number(least_m) + " m, or ";
-  errors.push_back(
-      {"doppler.resolution_m",
-       toml_number(s.doppler.resolution_m) + " with bins.azimuth = " + bins +
-           " and radar.r_max_m = " + toml_number(s.r_max_m),
-       allowed + (most_bins <= kMostBins ? "bins.azimuth = " + std::to_string(static_cast<int>(most_bins))
-                                         : std::string("a narrower sector"))});
+  if (least_m <= limits_of("doppler.resolution_m").high)
+    allowed = "at least " + toml_number(least_m) + " m, or ";
+  errors.push_back({"doppler.resolution_m",
+                    toml_number(s.doppler.resolution_m) + " with bins.azimuth = " + bins +
+                        " and radar.r_max_m = " + toml_number(s.r_max_m),
+                    allowed + (most_bins <= limits_of("bins.azimuth").high
+                                   ? "bins.azimuth = " + std::to_string(static_cast<int>(most_bins))
+                                   : std::string("a narrower sector"))});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 #include "server/explain/explanation.h"
@@ -19,36 +20,35 @@ constexpr double kLight_m_s = 299792458.0;
 
 /// Average gain times clutter attenuation of a canceller over echoes whose correlation after k pulses is
 /// rho[k] (Skolnik 2008, chapter 2); infinite where they stand still.
-double improvement_db(int delays, const MovingResidue& rho) {
-  double left = 1;
-  for (int k = 1; k <= delays; ++k)
-    left += (k % 2 == 0 ? 2 : -2) * binomial(2 * delays, delays - k) / canceller_noise_gain(delays) *
-            rho[static_cast<std::size_t>(k)];
+double improvement_db(int delays, const ByLag& rho) {
+  const ByLag weights = canceller_autocorrelation(delays);
+  const double left = std::inner_product(weights.begin(), weights.end(), rho.begin(), 0.0);
   constexpr double kOfDoubles = 1e-14;
   return left > kOfDoubles ? -db_of_ratio(left) : INFINITY;
 }
 
-/// Of an antenna that sees so many pulses while it turns by a Gaussian beamwidth.
-MovingResidue turning(double pulses) {
-  MovingResidue rho{1};
+/// Correlation of the ground under an antenna that turns, `pulses` of them a Gaussian beamwidth.
+ByLag turning(double pulses) {
+  ByLag rho{1};
   for (std::size_t k = 1; k < rho.size(); ++k)
     rho[k] = std::exp(-2 * std::numbers::ln2 * std::pow(static_cast<double>(k) / pulses, 2));
   return rho;
 }
 
-/// Of one that flies over ground with so many Doppler cells of a pulse interval in its Gaussian beam.
-MovingResidue flying(double cells) {
+/// Correlation of the ground under an antenna that flies: `cells` are those of one pulse interval in a
+/// Gaussian beam.
+ByLag flying(double cells) {
   // The clutter's sigma: of g^2 over the beam, in half power widths of g.
   const double sigma = cells / (4 * std::sqrt(std::numbers::ln2));
-  MovingResidue rho{1};
+  ByLag rho{1};
   for (std::size_t k = 1; k < rho.size(); ++k)
     rho[k] = std::exp(-2 * std::pow(std::numbers::pi * sigma * static_cast<double>(k), 2));
   return rho;
 }
 
-MovingResidue blown(const RadarSettings& s) {
+ByLag blown(const RadarSettings& s) {
   const WindSpectrum wind(s.atmosphere.wind_m_s, s.frequency_ghz);
-  MovingResidue rho{1};
+  ByLag rho{1};
   for (std::size_t k = 1; k < rho.size(); ++k)
     rho[k] = 1 - wind.moving * (1 - wind.correlation(static_cast<double>(k) / s.pulse.prf_hz,
                                                      wavelength_at(s.frequency_ghz)));

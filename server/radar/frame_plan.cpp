@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/radar/beam/doppler_fault.h"
 #include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
 #include "terrain/base/units.h"
@@ -72,7 +73,9 @@ std::vector<FieldError> beam_faults(std::shared_ptr<const Scene> scene, const Ra
                                     const Pose& pose) {
   if (const auto known = known_beam_faults(settings, pose.settings)) return *known;
   const EchoPlace place = place_of(*scene, settings, pose);
-  const auto fault = layout_fault(settings, lay_out_echo(settings, AzimuthPattern(settings), place), place);
+  const EchoLayout layout = lay_out_echo(settings, AzimuthPattern(settings), place);
+  auto fault = layout_fault(settings, layout, place);
+  if (!fault) fault = too_few_rows(settings, layout, place);
   return fault ? std::vector<FieldError>{*fault} : std::vector<FieldError>{};
 }
 

@@ -21,8 +21,7 @@ int whole(double number) { return static_cast<int>(std::min(number, 1e9)); }
 
 }  // namespace
 
-std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout& layout,
-                                        const EchoPlace& place) {
+std::optional<FieldError> image_fault(const RadarSettings& s, const EchoPlace& place) {
   if (s.mode == RadarMode::sar && place.velocity.across_m_s(0) < kLeastAcross_m_s)
     return FieldError{
         "radar.mode",
@@ -30,7 +29,7 @@ std::optional<FieldError> doppler_fault(const RadarSettings& s, const EchoLayout
                     place.velocity.across_m_s(0)),
         "poses with a velocity across the sector's middle (antenna.velocity_north_m_s, _east_), or "
         "another mode"};
-  return too_few_rows(s, layout, place);
+  return std::nullopt;
 }
 
 std::optional<FieldError> too_few_rows(const RadarSettings& s, const EchoLayout& layout,

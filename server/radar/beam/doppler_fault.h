@@ -5,11 +5,10 @@
 
 namespace obliq {
 
-/// Why a mode that looks at Doppler is refused of an antenna that flies so: too fast for the rows that there
-/// may be, with what would do, or not at all.
-std::optional<FieldError> doppler_fault(const RadarSettings& settings, const EchoLayout& layout,
-                                        const EchoPlace& place);
-/// The first of these alone: a flight that grows faster goes on with the rows that there are.
+/// Why there can be no image of synthetic aperture of an antenna that flies so: it does not fly across it.
+std::optional<FieldError> image_fault(const RadarSettings& settings, const EchoPlace& place);
+/// Why a mode is refused when it is set, of an antenna so fast: there are too few rows, with what would do. A
+/// flight that becomes so fast goes on with the rows that there are.
 std::optional<FieldError> too_few_rows(const RadarSettings& settings, const EchoLayout& layout,
                                        const EchoPlace& place);
 

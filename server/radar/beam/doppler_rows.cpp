@@ -11,16 +11,22 @@
 namespace obliq {
 namespace {
 
-// In units of ask(), a bin: its Doppler, a draw, a canceller.
+// In units of ask(), a bin: its Doppler, a canceller.
 constexpr std::int64_t kPlaceWork = 4;
-constexpr std::int64_t kDrawWork = 2;
 constexpr std::int64_t kCancelWork = 2;
+
+MovingEchoes echoes_of(const ByLag& residue) {
+  MovingEchoes echoes{static_cast<float>(std::accumulate(residue.begin(), residue.end(), 0.0)), {}};
+  for (std::size_t k = 1; k < residue.size(); ++k) echoes.turned[k - 1] = static_cast<float>(residue[k]);
+  return echoes;
+}
 
 }  // namespace
 
 DopplerRows::DopplerRows(const EchoPlan& plan)
     : plan_(plan),
       stride_(sharp_stride(plan)),
+      moving_echoes_(echoes_of(plan.doppler->residue())),
       kept_(static_cast<std::size_t>(
           std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))),
       outputs_(kWedgeAzimuthBins),
@@ -108,19 +114,11 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   row.key = key;
   row.power = wedge.power_row(row.azimuth);
   row.iq = nullptr;
-  const auto n = static_cast<std::int64_t>(stride_);
   if (voltages == Voltages::own) row.iq = wedge.iq_row(row.azimuth);
   if (voltages == Voltages::look) row.iq = wedge.look_row(row.azimuth);
   if (voltages == Voltages::drawn) {
-    // A draw belongs to a place in the output frame: how far beyond it the sharp one reaches does not matter.
-    constexpr std::uint64_t kBeside = std::uint64_t{1} << 30;
-    const std::uint64_t azimuth =
-        kBeside + static_cast<std::uint64_t>(row.azimuth) - static_cast<std::uint64_t>(plan_.first_azimuth);
-    const std::uint64_t range = kBeside - static_cast<std::uint64_t>(plan_.first_range);
     row.own_iq.resize(2 * stride_);
-    active_kernels().draw_speckle(
-        {key, (azimuth << 32) + range, static_cast<int>(stride_), row.power, row.own_iq.data()});
-    ask(kDrawWork * n);
+    draw_sharp_row(plan_, row.azimuth, key, row.power, row.own_iq.data());
     row.iq = row.own_iq.data();
   }
   if (plan_.doppler->is_of_beam()) return;
@@ -149,20 +147,13 @@ const float* DopplerRows::filtered(std::size_t k, const float* power) {
   return row.other_power.data();
 }
 
-MovingEchoes DopplerRows::moving_echoes() const {
-  const MovingResidue& residue = plan_.doppler->residue();
-  MovingEchoes echoes{static_cast<float>(std::accumulate(residue.begin(), residue.end(), 0.0)), {}};
-  for (std::size_t k = 1; k < residue.size(); ++k) echoes.turned[k - 1] = static_cast<float>(residue[k]);
-  return echoes;
-}
-
 void DopplerRows::cancel(const Row& row, const float* power, const float* iq, float* out_power,
                          float* out_iq) const {
   ask(kCancelWork * static_cast<std::int64_t>(stride_));
   const DopplerPlan& doppler = *plan_.doppler;
   active_kernels().cancel_row({static_cast<int>(stride_), doppler.delays(),
                                static_cast<float>(doppler.over_noise_root()), row.first.data(), power,
-                               row.moving.empty() ? nullptr : row.moving.data(), moving_echoes(), iq,
+                               row.moving.empty() ? nullptr : row.moving.data(), moving_echoes_, iq,
                                out_power, out_iq});
 }
 

@@ -41,7 +41,7 @@ class DopplerRows {
 
   /// The same of output azimuths over level ground, kWedgeAzimuthBins from the first on.
   void place_outputs(int first_azimuth);
-  MovingEchoes moving_echoes() const;
+  const MovingEchoes& moving_echoes() const { return moving_echoes_; }
   const float* output_first(int output) const {
     return outputs_[static_cast<std::size_t>(output)].first.data();
   }
@@ -67,6 +67,7 @@ class DopplerRows {
 
   const EchoPlan& plan_;
   const std::size_t stride_;
+  const MovingEchoes moving_echoes_;
   std::vector<Row> kept_;   // by their number, on and on
   std::vector<Row*> rows_;  // those taken
   std::vector<const float*> firsts_, seconds_, moving_, re_, im_;

@@ -336,7 +336,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
 
 std::optional<FieldError> layout_fault(const RadarSettings& s, const EchoLayout& layout,
                                        const EchoPlace& place) {
-  if (auto fault = doppler_fault(s, layout, place)) return fault;
+  if (auto fault = image_fault(s, place)) return fault;
   if (!layout.closes)
     return FieldError{
         "bins.azimuth",

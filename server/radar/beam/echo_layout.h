@@ -102,7 +102,7 @@ struct EchoSize {
 EchoSize echo_size(const RadarSettings& settings, std::int64_t threads, int label_materials = 0);
 
 /// Why no sharp frame can be laid out so: its bins do not meet, it has more pixels than can be numbered, or
-/// the Doppler of its place needs finer ones.
+/// it is to be an image of an antenna that does not fly.
 std::optional<FieldError> layout_fault(const RadarSettings& settings, const EchoLayout& layout,
                                        const EchoPlace& place);
 

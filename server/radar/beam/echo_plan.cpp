@@ -199,12 +199,12 @@ struct Planner {
 std::optional<EchoPlan> plan_echo(const RadarSettings& settings, const EchoPlace& place,
                                   std::vector<FieldError>& errors) {
   Planner planner(settings, place);
-  const auto few = too_few_rows(settings, planner.layout, place);
-  if (const auto fault = layout_fault(settings, planner.layout, place); fault && !few) {
+  if (const auto fault = layout_fault(settings, planner.layout, place)) {
     errors.push_back(*fault);
     return std::nullopt;
   }
-  if (few) planner.plan.doppler_warning = few->text();
+  if (const auto few = too_few_rows(settings, planner.layout, place))
+    planner.plan.doppler_warning = few->text();
   planner.weigh_ranges();
   planner.weigh_azimuths();
   return std::move(planner.plan);

@@ -59,22 +59,16 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
   if (look) bins.look.resize(bins.iq.size());
   Rows iq_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)), zeros_.data());
   Rows power_rows = iq_rows;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
-    power_rows[k] = rows[k]->power_row(azimuth);
-    if (coherent && !doppler_) iq_rows[k] = rows[k]->iq_row(azimuth);
-  }
   take_kernels(rows, first_row);
   if (doppler_) {
-    take_doppler(rows, first_row,
-                 drawn      ? DopplerRows::Voltages::drawn
-                 : coherent ? DopplerRows::Voltages::own
-                            : DopplerRows::Voltages::none,
-                 draw);
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      power_rows[k] = doppler_->power(k);
-      if (coherent) iq_rows[k] = doppler_->iq(k);
-    }
+    using Voltages = DopplerRows::Voltages;
+    const Voltages own = coherent ? Voltages::own : Voltages::none;
+    take_doppler(rows, first_row, drawn ? Voltages::drawn : own, draw);
+  }
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
+    power_rows[k] = doppler_ ? doppler_->power(k) : rows[k]->power_row(azimuth);
+    if (coherent) iq_rows[k] = doppler_ ? doppler_->iq(k) : rows[k]->iq_row(azimuth);
   }
   if (coherent) {
     sum_azimuths({{kPower, &power_rows}, {kIq, &iq_rows}}, bins);
@@ -99,12 +93,10 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
 void EchoSums::sum_looks(const std::vector<const SharpWedge*>& rows, BinBlock& bins) {
   const int first_row = plan_.first_row(bins.first_azimuth);
   Rows look_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)), zeros_.data());
+  if (doppler_) take_doppler(rows, first_row, DopplerRows::Voltages::look, 0);
   for (std::size_t k = 0; k < rows.size(); ++k)
-    look_rows[k] = rows[k]->look_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)));
-  if (doppler_) {
-    take_doppler(rows, first_row, DopplerRows::Voltages::look, 0);
-    for (std::size_t k = 0; k < rows.size(); ++k) look_rows[k] = doppler_->iq(k);
-  }
+    look_rows[k] =
+        doppler_ ? doppler_->iq(k) : rows[k]->look_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)));
   sum_azimuths({{kIq, &look_rows}}, bins);
   for (int o = 0; o < bins.n_azimuth; ++o) {
     const auto lane = static_cast<std::size_t>(o);
@@ -248,7 +240,7 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, 
     active_kernels().sharpened_sum(sum);
     return;
   }
-  const MovingEchoes echoes = doppler_->moving_echoes();
+  const MovingEchoes& echoes = doppler_->moving_echoes();
   const auto lock = [&](auto& sum) {
     for (int o = 0; doppler.has_lock() && o < WeighedRows::kOutputs; ++o) {
       sum.output_sin[o] = doppler_->output_first(output + o);

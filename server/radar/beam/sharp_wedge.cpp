@@ -152,18 +152,20 @@ void SharpWedge::take_labels(BinBlock& bins) {
   }
 }
 
-/// A draw belongs to a place in the output frame: how far beyond it the sharp one reaches does not matter.
-void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
+void draw_sharp_row(const EchoPlan& plan, int azimuth, std::uint64_t key, const float* power, float* iq) {
   constexpr std::uint64_t kBeside = std::uint64_t{1} << 30;  // more bins than a halo has
+  const std::size_t stride = sharp_stride(plan);
+  ask(2 * static_cast<std::int64_t>(stride));
+  const std::uint64_t row =
+      kBeside + static_cast<std::uint64_t>(azimuth) - static_cast<std::uint64_t>(plan.first_azimuth);
+  const std::uint64_t range = kBeside - static_cast<std::uint64_t>(plan.first_range);
+  active_kernels().draw_speckle({key, (row << 32) + range, static_cast<int>(stride), power, iq});
+}
+
+void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {
   fill(look, 2 * power.size(), 0);
-  for (int a = first_azimuth; a < first_azimuth + n_azimuth; ++a) {
-    ask(2 * static_cast<std::int64_t>(stride));
-    const std::uint64_t azimuth =
-        kBeside + static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(plan.first_azimuth);
-    const std::uint64_t range = kBeside - static_cast<std::uint64_t>(plan.first_range);
-    active_kernels().draw_speckle(
-        {key, (azimuth << 32) + range, static_cast<int>(stride), power_row(a), look.data() + 2 * row_at(a)});
-  }
+  for (int a = first_azimuth; a < first_azimuth + n_azimuth; ++a)
+    draw_sharp_row(plan, a, key, power_row(a), look.data() + 2 * row_at(a));
 }
 
 std::size_t SharpWedge::bytes() const {

@@ -80,6 +80,10 @@ struct SharpWedge {
 };
 using SharpWedgePtr = std::shared_ptr<const SharpWedge>;
 
+/// I&Q of a row of sharp bins about its mean power, which belong to its place in the output frame: how far
+/// beyond that the sharp one reaches does not matter.
+void draw_sharp_row(const EchoPlan& plan, int azimuth, std::uint64_t key, const float* power, float* iq);
+
 /// Bins of a row of sharp ones, with what is behind them.
 std::size_t sharp_stride(const EchoPlan& plan);
 

@@ -14,6 +14,14 @@ double binomial(int n, int k) {
 
 double canceller_noise_gain(int delays) { return binomial(2 * delays, delays); }
 
+ByLag canceller_autocorrelation(int delays) {
+  ByLag by_lag{1};
+  for (int k = 1; k <= delays; ++k)
+    by_lag[static_cast<std::size_t>(k)] =
+        (k % 2 == 0 ? 2 : -2) * binomial(2 * delays, delays - k) / canceller_noise_gain(delays);
+  return by_lag;
+}
+
 std::vector<double> canceller_in_u(const std::vector<double>& gains) {
   // 1 - z E = (1 - E) + (1 - z) E, E the step to the pulse before: the power c of it by the binomial theorem.
   const int c = static_cast<int>(gains.size()) - 1;

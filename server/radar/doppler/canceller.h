@@ -1,5 +1,6 @@
 #pragma once
 // A moving target indicator's canceller of c delays: x(t) - x(t - 1/PRF), c times over.
+#include <array>
 #include <complex>
 #include <vector>
 
@@ -12,6 +13,11 @@ double binomial(int n, int k);
 
 /// Power that noise gains: C(2c, c). The canceller is divided by its root, so that noise keeps its level.
 double canceller_noise_gain(int delays);
+
+/// By lag in pulse intervals, 0 first: what the canceller leaves of echoes of mean power 1, over its noise
+/// gain, is the sum of these times the echoes' correlations.
+using ByLag = std::array<double, kMostDelays + 1>;
+ByLag canceller_autocorrelation(int delays);
 
 /// What echoes of a row become of which the antenna, as it turns, sees gains[i] i pulses before, i from 0 to
 /// c: the sum over i of (-1)^i C(c, i) gains[i] z^i, z = exp(-j 2 pi f / PRF), as a polynomial in u = 1 - z.

@@ -15,6 +15,7 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
                          std::vector<int> windy)
     : mode_(settings.mode),
       delays_(settings.doppler.canceller),
+      over_noise_root_(1 / std::sqrt(canceller_noise_gain(delays_))),
       has_lock_(settings.mode == RadarMode::mti && settings.doppler.clutter_lock && !velocity.is_zero()),
       turn_rad_(settings.mode == RadarMode::mti ? turn_rad : 0),
       above_ground_m_(above_ground_m),
@@ -39,8 +40,6 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
   }
 }
 
-double DopplerPlan::over_noise_root() const { return 1 / std::sqrt(canceller_noise_gain(delays_)); }
-
 double DopplerPlan::turns_a_hz(double range_m) const {
   switch (mode_) {
     case RadarMode::mti:
@@ -64,7 +63,7 @@ std::complex<double> DopplerPlan::weight(double hz, double range_m, const SinCos
   if (!is_canceller()) return gains.front() * response_.at(turns);
   const SinCos half = sincos_turns(turns / 2);
   // As at the middle of the pulses.
-  if (turn_rad_ == 0) return gains.front() * std::pow(2 * half.sin, delays_) * over_noise_root();
+  if (turn_rad_ == 0) return gains.front() * std::pow(2 * half.sin, delays_) * over_noise_root_;
   return cancelled(canceller_in_u(gains), canceller_u(turns)) *
          std::pow(std::complex<double>(half.cos, half.sin), delays_);
 }

@@ -43,11 +43,11 @@ class DopplerPlan {
   /// All rows have the same weights, from each output's own on.
   bool shares_weights() const { return is_of_rows() || is_of_beam(); }
   /// Of what a canceller gains of noise.
-  double over_noise_root() const;
+  double over_noise_root() const { return over_noise_root_; }
   /// Materials of which a share moves in the wind, and what the canceller leaves of that (moving_residue).
   const std::vector<int>& windy() const { return windy_; }
   double moving_share() const { return moving_share_; }
-  const MovingResidue& residue() const { return residue_; }
+  const ByLag& residue() const { return residue_; }
 
   const SectorVelocity& velocity() const { return velocity_; }
   const GroundDoppler& ground() const { return ground_; }
@@ -67,6 +67,7 @@ class DopplerPlan {
  private:
   RadarMode mode_;
   int delays_;
+  double over_noise_root_;
   bool has_lock_;
   double turn_rad_;
   double above_ground_m_;
@@ -76,7 +77,7 @@ class DopplerPlan {
   SectorVelocity velocity_;
   std::vector<int> windy_;
   double moving_share_ = 0;
-  MovingResidue residue_{};
+  ByLag residue_{};
   GroundDoppler ground_;
   DopplerResponse response_;
   std::vector<double> turns_a_hz_;

@@ -27,15 +27,12 @@ double WindSpectrum::correlation(double lag_s, double wavelength_m) const {
   return 1 / (1 + x * x);
 }
 
-MovingResidue moving_residue(const RadarSettings& settings) {
+ByLag moving_residue(const RadarSettings& settings) {
   const WindSpectrum wind(settings.atmosphere.wind_m_s, settings.frequency_ghz);
-  const int c = settings.doppler.canceller;
-  MovingResidue residue{};
-  residue[0] = 1;
-  for (int k = 1; k <= c; ++k)
-    residue[static_cast<std::size_t>(k)] =
-        (k % 2 == 0 ? 2 : -2) * binomial(2 * c, c - k) / canceller_noise_gain(c) *
-        wind.correlation(k / settings.pulse.prf_hz, wavelength_at(settings.frequency_ghz));
+  ByLag residue = canceller_autocorrelation(settings.doppler.canceller);
+  for (std::size_t k = 1; k < residue.size(); ++k)
+    residue[k] *= wind.correlation(static_cast<double>(k) / settings.pulse.prf_hz,
+                                   wavelength_at(settings.frequency_ghz));
   return residue;
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 // What moves in the wind: woods, shrubs, grass. A part of its echo stands still, the rest has a spectrum that
 // falls exponentially with speed (Billingsley 2002, Low-Angle Radar Land Clutter, chapter 6).
-#include <array>
-
 #include "server/radar/doppler/canceller.h"
 #include "server/radar/settings.h"
 
@@ -20,7 +18,6 @@ struct WindSpectrum {
 
 /// What a canceller leaves of what moves, over its mean power, behind unit noise gain: sum of a[k] cos(k
 /// phase), phase of what the radar's own motion turns between two pulses.
-using MovingResidue = std::array<double, kMostDelays + 1>;
-MovingResidue moving_residue(const RadarSettings& settings);
+ByLag moving_residue(const RadarSettings& settings);
 
 }  // namespace obliq
