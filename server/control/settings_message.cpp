@@ -48,9 +48,10 @@ void write_fields(WireMessage which, RadarConfig config, Message& message) {
 std::vector<FieldError> merge_message(const wire::RadarSettings& message, RadarSettings& settings) {
   RadarConfig config{"", settings, {}};
   std::vector<FieldError> errors = merge_fields(WireMessage::radar_settings, message, config);
-  // A number without a word on video_floor_auto is meant.
+  // A number without a word on its switch is meant.
   if (message.has_video_floor_db() && !message.has_video_floor_auto())
     config.settings.video.floor_auto = false;
+  if (message.has_sea_state() && !message.has_sea_state_auto()) config.settings.sea.state_auto = false;
   settings = config.settings;
   return errors;
 }

@@ -18,7 +18,7 @@ struct Companion {
   const char* field;
   const char* other;
 };
-constexpr Companion kCompanions[] = {{"video_floor_db", "video_floor_auto"}};
+constexpr Companion kCompanions[] = {{"video_floor_db", "video_floor_auto"}, {"sea_state", "sea_state_auto"}};
 
 /// Of `now`, what is not as it was before, and what belongs to it.
 wire::RadarSettings changes(const wire::RadarSettings& before, const wire::RadarSettings& now) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <vector>
 
 namespace obliq {
 
@@ -39,6 +40,9 @@ struct PulseSettings {
   int extent_bins = 16;  ///< half the length of the range filter
   bool eclipse = false;
   double prf_hz = 1000;  ///< of the modes that look at Doppler
+  /// Of pulse trains: intervals between pulses over 1 / prf_hz, one after the other, round and round; empty:
+  /// all alike.
+  std::vector<double> stagger;
 };
 
 }  // namespace obliq

@@ -40,6 +40,14 @@ struct AtmosphereSettings {
   bool gas = false;
   Polarisation polarisation = Polarisation::horizontal;
   double wind_m_s = 0;
+  double wind_from_deg = 0;  ///< clockwise from true north
+};
+
+/// [sea]: how rough water is.
+struct SeaSettings {
+  double state = 0;         ///< of Douglas's scale; 0: water returns what its material says
+  bool state_auto = false;  ///< instead: that which the wind raises
+  double shape = 1;         ///< of the K distribution's texture in a small cell; 0: no texture
 };
 
 }  // namespace obliq

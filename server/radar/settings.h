@@ -66,6 +66,7 @@ struct RadarSettings {
   ReceiverSettings receiver;
   VideoSettings video;
   AtmosphereSettings atmosphere;
+  SeaSettings sea;
 
   double azimuth_bin_rad() const { return sector_deg * std::numbers::pi / 180 / azimuth_bins; }
   double range_bin_m() const { return (r_max_m - r_min_m) / range_bins; }

@@ -14,8 +14,11 @@ struct Material {
   double rms_slope = 0.1;     ///< one-axis rms slope s
   double plate_tau = 1;       ///< flat plate: tau at normal incidence
   double plate_exponent = 0;  ///< flat plate: tau(theta) = plate_tau cos(theta)^plate_exponent
-  bool wind = false;          ///< moves in the wind, as woods do
-  bool used = true;           ///< something in the scene is made of it
+  /// Relative complex permittivity, permittivity_re - j permittivity_im: of corners of wall and ground.
+  double permittivity_re = 6;
+  double permittivity_im = 0.6;
+  bool wind = false;  ///< moves in the wind, as woods do
+  bool used = true;   ///< something in the scene is made of it
 };
 
 }  // namespace obliq

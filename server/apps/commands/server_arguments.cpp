@@ -42,7 +42,8 @@ struct Automatic {
   std::string_view flag;
 };
 constexpr Automatic kAutomatic[] = {{"video.floor_db", "video.floor_auto"},
-                                    {"antenna.tilt_deg", "antenna.tilt_auto"}};
+                                    {"antenna.tilt_deg", "antenna.tilt_auto"},
+                                    {"sea.state", "sea.state_auto"}};
 
 /// Whether trying again may help. A server that answers, if only with a refusal, is there.
 bool may_come_up(client::Outcome outcome) {

@@ -73,7 +73,18 @@ struct RadarReading {
   FrustumChoice choice = FrustumChoice::named;
 };
 
-constexpr std::string_view kTilt = "antenna.tilt_deg";
+/// Keys that may say "auto", and the switch that it is.
+struct AutoKey {
+  std::string_view key;
+  std::string_view flag;
+  bool& (*slot)(RadarConfig&);
+};
+constexpr AutoKey kAutoKeys[] = {
+    {"antenna.tilt_deg", "antenna.tilt_auto", [](RadarConfig& c) -> bool& { return c.pose.tilt_auto; }},
+    {"video.floor_db", "video.floor_auto",
+     [](RadarConfig& c) -> bool& { return c.settings.video.floor_auto; }},
+    {"sea.state", "sea.state_auto", [](RadarConfig& c) -> bool& { return c.settings.sea.state_auto; }},
+};
 
 /// Whether a key is there and says "auto"; then it has been read.
 bool reads_auto(SectionReader& reader, const std::string& name) {
@@ -88,14 +99,10 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
     const std::string name(parameter.key.name);
     if (!name.starts_with(section + ".")) continue;
     const std::string local = name.substr(section.size() + 1);
-    if (name == kTilt && reads_auto(reader, local)) {
-      radar.config.pose.tilt_auto = true;
-      radar.set_at[name] = reader.table().find(local)->where;
-      continue;
-    }
-    if (name == "video.floor_db" && reads_auto(reader, local)) {
-      radar.config.settings.video.floor_auto = true;
-      radar.set_at["video.floor_auto"] = reader.table().find(local)->where;
+    const auto* const automatic = std::ranges::find(kAutoKeys, name, &AutoKey::key);
+    if (automatic != std::end(kAutoKeys) && reads_auto(reader, local)) {
+      automatic->slot(radar.config) = true;
+      radar.set_at[std::string(automatic->flag)] = reader.table().find(local)->where;
       continue;
     }
     if (reader.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
@@ -248,9 +255,11 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
       reader.finish();
     }
   }
-  // A number without a word on floor_auto is meant.
-  if (radar.set_at.contains("video.floor_db") && !radar.set_at.contains("video.floor_auto"))
-    radar.config.settings.video.floor_auto = false;
+  // A number without a word on the switch is meant.
+  for (const AutoKey& automatic : kAutoKeys)
+    if (radar.set_at.contains(std::string(automatic.key)) &&
+        !radar.set_at.contains(std::string(automatic.flag)))
+      automatic.slot(radar.config) = false;
   if (!radar.set_at.contains("antenna.heading_deg"))
     radar.config.pose.heading_deg = radar.config.pose.bearing_deg;
   if (radar.config.platform)

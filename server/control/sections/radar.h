@@ -31,9 +31,9 @@ struct RadarConfig {
 };
 
 /// Tables of a radar beside its own: in the scene file for all radars, or in [radar] for one.
-inline constexpr std::array<std::string_view, 11> kRadarTables{"antenna",  "mount", "frustum",   "bins",
-                                                               "scan",     "beam",  "pulse",     "doppler",
-                                                               "receiver", "video", "atmosphere"};
+inline constexpr std::array<std::string_view, 12> kRadarTables{"antenna",  "mount", "frustum",    "bins",
+                                                               "scan",     "beam",  "pulse",      "doppler",
+                                                               "receiver", "video", "atmosphere", "sea"};
 
 /// The short forms frustum.quality and frustum.pixels, and what else no message carries.
 std::span<const SpecialKey<RadarConfig>> radar_special_keys();

@@ -19,7 +19,7 @@ constexpr std::array kScanModes{Choice{"frame", "FRAME_SCAN"}, Choice{"sector", 
                                 Choice{"circular", "CIRCULAR_SCAN"}};
 
 constexpr std::array kModes{Choice{"map", "MAP_MODE"}, Choice{"mti", "MTI_MODE"}, Choice{"dbs", "DBS_MODE"},
-                            Choice{"sar", "SAR_MODE"}};
+                            Choice{"sar", "SAR_MODE"}, Choice{"pulses", "PULSES_MODE"}};
 
 using enum ModbusWords;
 using parameter_table::row;
@@ -105,7 +105,8 @@ const std::array kParameters{
     row<&RadarSettings::mode>("radar.mode", "", kModes, "mode", {338, u16},
                               "What the pulses make: the map of mean echoes, moving targets alone (mti), a "
                               "map sharpened by Doppler "
-                              "(dbs), or an image of synthetic aperture (sar).",
+                              "(dbs), an image of synthetic aperture (sar), or nothing yet: the samples of "
+                              "pulse trains (pulses).",
                               {.knob = "mode", .not_ideal = true}),
     row<&RadarSettings::sector_deg>(
         "radar.sector_deg", "deg", above(0, 360), "sector_deg", {234, i32, 1e6},

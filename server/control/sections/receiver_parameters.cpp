@@ -1,4 +1,4 @@
-// The parameters of the receiver, of the video and of the atmosphere.
+// The parameters of the receiver, of the video, of the atmosphere and of the sea.
 #include <array>
 
 #include "server/control/sections/parameter_row.h"
@@ -85,6 +85,24 @@ const std::array kParameters{
         "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "
         "through.",
         {.knob = "wind", .modes = "mti"}),
+    row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_from_deg>(
+        "atmosphere.wind_from_deg", "deg", closed(0, 360), "wind_from_deg", {353, i32, 1e3},
+        "Where the wind comes from, clockwise from true north: the sea returns more against it.",
+        {.knob = "wind from"}),
+    row<&RadarSettings::sea, &SeaSettings::state>(
+        "sea.state", "", closed(0, 6), "sea_state", {349, u16, 1e2},
+        "Sea state of all water, by the NRL model of mean sea clutter; 0: water returns what its material "
+        "says. "
+        "\"auto\" in a scene file is sea.state_auto.",
+        {.knob = "sea state"}),
+    row<&RadarSettings::sea, &SeaSettings::state_auto>(
+        "sea.state_auto", "", kAny, "sea_state_auto", {350, u16},
+        "The sea state that atmosphere.wind_m_s raises; a sea.state alone ends it."),
+    row<&RadarSettings::sea, &SeaSettings::shape>(
+        "sea.shape", "", closed(0, 20), "sea_shape", {351, i32, 1e3},
+        "Shape of the sea's texture in a small cell (K distribution): 0.1 is spiky, 20 nearly even; 0: no "
+        "texture. "
+        "Of use with a sea state."),
 };
 
 }  // namespace

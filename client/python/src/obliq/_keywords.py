@@ -9,7 +9,7 @@ class SettingsFields(TypedDict, total=False):
     """Keywords that Settings takes."""
 
     frequency_ghz: float | None
-    mode: Literal["map", "mti", "dbs", "sar"] | None
+    mode: Literal["map", "mti", "dbs", "sar", "pulses"] | None
     sector_deg: float | None
     r_min_m: float | None
     r_max_m: float | None
@@ -48,6 +48,7 @@ class SettingsFields(TypedDict, total=False):
     pulse_extent_bins: int | None
     pulse_eclipse: bool | None
     prf_hz: float | None
+    pulse_stagger: Sequence[float] | None
     doppler_pulses: int | None
     doppler_window: Literal["none", "hamming", "hann", "taylor", "blackman_harris"] | None
     canceller: int | None
@@ -75,6 +76,10 @@ class SettingsFields(TypedDict, total=False):
     gas: bool | None
     polarisation: Literal["horizontal", "vertical"] | None
     wind_m_s: float | None
+    wind_from_deg: float | None
+    sea_state: float | None
+    sea_state_auto: bool | None
+    sea_shape: float | None
 
 
 class PoseFields(TypedDict, total=False):

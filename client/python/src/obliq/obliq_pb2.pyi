@@ -54,6 +54,8 @@ OFF_PULSE: PulseKind
 POLAR: FrustumKind
 POSE_CLAIM: ClaimKind
 POWER: PlaneKind
+PULSES: PlaneKind
+PULSES_MODE: RadarMode
 RECTANGULAR_PULSE: PulseKind
 RELEASE_EVENT: EventKind
 RESET_EVENT: EventKind
@@ -632,6 +634,12 @@ class Pose(_message.Message):
     velocity_up_m_s: float
     def __init__(self, latitude_deg: _Optional[float] = ..., longitude_deg: _Optional[float] = ..., height_m: _Optional[float] = ..., height_reference: _Optional[_Union[HeightReference, str]] = ..., geoid_undulation_m: _Optional[float] = ..., bearing_deg: _Optional[float] = ..., sim_time_ns: _Optional[int] = ..., pose_id: _Optional[int] = ..., valid_s: _Optional[float] = ..., tilt_deg: _Optional[float] = ..., tilt_auto: bool = ..., velocity_north_m_s: _Optional[float] = ..., velocity_east_m_s: _Optional[float] = ..., velocity_up_m_s: _Optional[float] = ..., roll_deg: _Optional[float] = ..., pitch_deg: _Optional[float] = ..., heading_deg: _Optional[float] = ..., new_time_line: bool = ..., time_rate: _Optional[float] = ...) -> None: ...
 
+class PulseStagger(_message.Message):
+    __slots__ = ["ratio"]
+    RATIO_FIELD_NUMBER: _ClassVar[int]
+    ratio: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, ratio: _Optional[_Iterable[float]] = ...) -> None: ...
+
 class QueryGround(_message.Message):
     __slots__ = ["antenna", "bearing_deg", "geoid_undulation_m", "height_m", "height_reference", "latitude_deg", "longitude_deg", "radar", "range_m", "request_id"]
     ANTENNA_FIELD_NUMBER: _ClassVar[int]
@@ -713,7 +721,7 @@ class RadarList(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radars: _Optional[_Iterable[str]] = ..., platforms: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class RadarSettings(_message.Message):
-    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_stabilised", "beam_width_deg", "canceller", "clutter_lock", "doppler_pulses", "doppler_window", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "mode", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "prf_hz", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "resolution_m", "scan_bars", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db", "wind_m_s"]
+    __slots__ = ["adc_bits", "antenna_temperature_k", "azimuth_bins", "beam_cosecant_to_deg", "beam_elevation", "beam_elevation_width_deg", "beam_extent_deg", "beam_nbar", "beam_pattern", "beam_sidelobe_db", "beam_stabilised", "beam_width_deg", "canceller", "clutter_lock", "doppler_pulses", "doppler_window", "frequency_ghz", "frustum", "ftc_us", "full_scale_dbm", "gain_db", "gas", "loss_db", "mode", "noise", "noise_figure_db", "noise_frame", "noise_seed", "pixel_columns", "pixel_rows", "planes_per_bin", "plates", "polarisation", "power_w", "prf_hz", "pulse_bandwidth_mhz", "pulse_eclipse", "pulse_extent_bins", "pulse_kind", "pulse_length_us", "pulse_nbar", "pulse_sidelobe_db", "pulse_stagger", "pulse_window", "r_max_m", "r_min_m", "rain_mm_h", "rain_top_m", "range_bins", "range_normalisation", "receiver_gain_db", "resolution_m", "scan_bars", "scan_dwell_bins", "scan_mode", "scan_rate_deg_s", "sea_shape", "sea_state", "sea_state_auto", "sector_deg", "speckle", "speckle_seed", "stc_db", "stc_power", "stc_range_m", "sub_columns", "video_floor_auto", "video_floor_db", "video_looks", "video_span_db", "wind_from_deg", "wind_m_s"]
     ADC_BITS_FIELD_NUMBER: _ClassVar[int]
     ANTENNA_TEMPERATURE_K_FIELD_NUMBER: _ClassVar[int]
     AZIMUTH_BINS_FIELD_NUMBER: _ClassVar[int]
@@ -756,6 +764,7 @@ class RadarSettings(_message.Message):
     PULSE_LENGTH_US_FIELD_NUMBER: _ClassVar[int]
     PULSE_NBAR_FIELD_NUMBER: _ClassVar[int]
     PULSE_SIDELOBE_DB_FIELD_NUMBER: _ClassVar[int]
+    PULSE_STAGGER_FIELD_NUMBER: _ClassVar[int]
     PULSE_WINDOW_FIELD_NUMBER: _ClassVar[int]
     RAIN_MM_H_FIELD_NUMBER: _ClassVar[int]
     RAIN_TOP_M_FIELD_NUMBER: _ClassVar[int]
@@ -769,6 +778,9 @@ class RadarSettings(_message.Message):
     SCAN_DWELL_BINS_FIELD_NUMBER: _ClassVar[int]
     SCAN_MODE_FIELD_NUMBER: _ClassVar[int]
     SCAN_RATE_DEG_S_FIELD_NUMBER: _ClassVar[int]
+    SEA_SHAPE_FIELD_NUMBER: _ClassVar[int]
+    SEA_STATE_AUTO_FIELD_NUMBER: _ClassVar[int]
+    SEA_STATE_FIELD_NUMBER: _ClassVar[int]
     SECTOR_DEG_FIELD_NUMBER: _ClassVar[int]
     SPECKLE_FIELD_NUMBER: _ClassVar[int]
     SPECKLE_SEED_FIELD_NUMBER: _ClassVar[int]
@@ -780,6 +792,7 @@ class RadarSettings(_message.Message):
     VIDEO_FLOOR_DB_FIELD_NUMBER: _ClassVar[int]
     VIDEO_LOOKS_FIELD_NUMBER: _ClassVar[int]
     VIDEO_SPAN_DB_FIELD_NUMBER: _ClassVar[int]
+    WIND_FROM_DEG_FIELD_NUMBER: _ClassVar[int]
     WIND_M_S_FIELD_NUMBER: _ClassVar[int]
     adc_bits: int
     antenna_temperature_k: float
@@ -823,6 +836,7 @@ class RadarSettings(_message.Message):
     pulse_length_us: float
     pulse_nbar: int
     pulse_sidelobe_db: float
+    pulse_stagger: PulseStagger
     pulse_window: PulseWindow
     r_max_m: float
     r_min_m: float
@@ -836,6 +850,9 @@ class RadarSettings(_message.Message):
     scan_dwell_bins: int
     scan_mode: ScanMode
     scan_rate_deg_s: float
+    sea_shape: float
+    sea_state: float
+    sea_state_auto: bool
     sector_deg: float
     speckle: SpeckleKind
     speckle_seed: int
@@ -847,8 +864,9 @@ class RadarSettings(_message.Message):
     video_floor_db: float
     video_looks: int
     video_span_db: float
+    wind_from_deg: float
     wind_m_s: float
-    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., scan_bars: _Optional[_Union[ScanBars, _Mapping]] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., beam_stabilised: bool = ..., mode: _Optional[_Union[RadarMode, str]] = ..., prf_hz: _Optional[float] = ..., doppler_pulses: _Optional[int] = ..., doppler_window: _Optional[_Union[DopplerWindow, str]] = ..., canceller: _Optional[int] = ..., clutter_lock: bool = ..., wind_m_s: _Optional[float] = ..., resolution_m: _Optional[float] = ..., ftc_us: _Optional[float] = ...) -> None: ...
+    def __init__(self, frequency_ghz: _Optional[float] = ..., sector_deg: _Optional[float] = ..., r_min_m: _Optional[float] = ..., r_max_m: _Optional[float] = ..., power_w: _Optional[float] = ..., gain_db: _Optional[float] = ..., range_normalisation: bool = ..., speckle: _Optional[_Union[SpeckleKind, str]] = ..., speckle_seed: _Optional[int] = ..., frustum: _Optional[_Union[FrustumKind, str]] = ..., pixel_columns: _Optional[int] = ..., pixel_rows: _Optional[int] = ..., azimuth_bins: _Optional[int] = ..., range_bins: _Optional[int] = ..., plates: _Optional[_Union[PlateKind, str]] = ..., scan_mode: _Optional[_Union[ScanMode, str]] = ..., scan_rate_deg_s: _Optional[float] = ..., scan_dwell_bins: _Optional[int] = ..., scan_bars: _Optional[_Union[ScanBars, _Mapping]] = ..., sub_columns: _Optional[int] = ..., beam_pattern: _Optional[_Union[BeamPattern, str]] = ..., beam_width_deg: _Optional[float] = ..., beam_sidelobe_db: _Optional[float] = ..., beam_nbar: _Optional[int] = ..., beam_extent_deg: _Optional[float] = ..., beam_elevation: _Optional[_Union[ElevationPattern, str]] = ..., beam_elevation_width_deg: _Optional[float] = ..., beam_cosecant_to_deg: _Optional[float] = ..., pulse_kind: _Optional[_Union[PulseKind, str]] = ..., pulse_length_us: _Optional[float] = ..., pulse_bandwidth_mhz: _Optional[float] = ..., pulse_window: _Optional[_Union[PulseWindow, str]] = ..., pulse_sidelobe_db: _Optional[float] = ..., pulse_nbar: _Optional[int] = ..., pulse_extent_bins: _Optional[int] = ..., pulse_eclipse: bool = ..., noise: bool = ..., noise_figure_db: _Optional[float] = ..., antenna_temperature_k: _Optional[float] = ..., loss_db: _Optional[float] = ..., noise_seed: _Optional[int] = ..., noise_frame: _Optional[int] = ..., receiver_gain_db: _Optional[float] = ..., stc_range_m: _Optional[float] = ..., stc_power: _Optional[float] = ..., stc_db: _Optional[float] = ..., adc_bits: _Optional[int] = ..., full_scale_dbm: _Optional[float] = ..., video_looks: _Optional[int] = ..., video_floor_auto: bool = ..., video_floor_db: _Optional[float] = ..., video_span_db: _Optional[float] = ..., rain_mm_h: _Optional[float] = ..., rain_top_m: _Optional[float] = ..., gas: bool = ..., polarisation: _Optional[_Union[Polarisation, str]] = ..., planes_per_bin: _Optional[int] = ..., beam_stabilised: bool = ..., mode: _Optional[_Union[RadarMode, str]] = ..., prf_hz: _Optional[float] = ..., doppler_pulses: _Optional[int] = ..., doppler_window: _Optional[_Union[DopplerWindow, str]] = ..., canceller: _Optional[int] = ..., clutter_lock: bool = ..., wind_m_s: _Optional[float] = ..., resolution_m: _Optional[float] = ..., pulse_stagger: _Optional[_Union[PulseStagger, _Mapping]] = ..., sea_state: _Optional[float] = ..., sea_shape: _Optional[float] = ..., wind_from_deg: _Optional[float] = ..., sea_state_auto: bool = ..., ftc_us: _Optional[float] = ...) -> None: ...
 
 class RadarState(_message.Message):
     __slots__ = ["frozen", "pose", "radar", "rate_limit_hz", "settings", "transmit_off"]
@@ -1293,21 +1311,26 @@ class Unsubscribe(_message.Message):
     def __init__(self, request_id: _Optional[int] = ..., radar: _Optional[str] = ...) -> None: ...
 
 class WedgeBlock(_message.Message):
-    __slots__ = ["azimuth_step", "beam_ns", "compression", "first_azimuth", "first_range", "frame_id", "iq_encoding", "n_azimuth", "n_range", "plain_bytes", "plane", "pose", "pose_received_ns", "pose_stale", "range_step", "render_start_ns", "scale", "send_ns", "settings_version", "wedge_index"]
+    __slots__ = ["azimuth_step", "beam_ns", "boresight_rate_deg_s", "boresight_start_deg", "compression", "first_azimuth", "first_pulse", "first_range", "frame_id", "iq_encoding", "n_azimuth", "n_pulses", "n_range", "plain_bytes", "plane", "pose", "pose_received_ns", "pose_stale", "pulse_period_ns", "range_step", "render_start_ns", "scale", "send_ns", "settings_version", "wedge_index"]
     AZIMUTH_STEP_FIELD_NUMBER: _ClassVar[int]
     BEAM_NS_FIELD_NUMBER: _ClassVar[int]
+    BORESIGHT_RATE_DEG_S_FIELD_NUMBER: _ClassVar[int]
+    BORESIGHT_START_DEG_FIELD_NUMBER: _ClassVar[int]
     COMPRESSION_FIELD_NUMBER: _ClassVar[int]
     FIRST_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    FIRST_PULSE_FIELD_NUMBER: _ClassVar[int]
     FIRST_RANGE_FIELD_NUMBER: _ClassVar[int]
     FRAME_ID_FIELD_NUMBER: _ClassVar[int]
     IQ_ENCODING_FIELD_NUMBER: _ClassVar[int]
     N_AZIMUTH_FIELD_NUMBER: _ClassVar[int]
+    N_PULSES_FIELD_NUMBER: _ClassVar[int]
     N_RANGE_FIELD_NUMBER: _ClassVar[int]
     PLAIN_BYTES_FIELD_NUMBER: _ClassVar[int]
     PLANE_FIELD_NUMBER: _ClassVar[int]
     POSE_FIELD_NUMBER: _ClassVar[int]
     POSE_RECEIVED_NS_FIELD_NUMBER: _ClassVar[int]
     POSE_STALE_FIELD_NUMBER: _ClassVar[int]
+    PULSE_PERIOD_NS_FIELD_NUMBER: _ClassVar[int]
     RANGE_STEP_FIELD_NUMBER: _ClassVar[int]
     RENDER_START_NS_FIELD_NUMBER: _ClassVar[int]
     SCALE_FIELD_NUMBER: _ClassVar[int]
@@ -1316,25 +1339,30 @@ class WedgeBlock(_message.Message):
     WEDGE_INDEX_FIELD_NUMBER: _ClassVar[int]
     azimuth_step: int
     beam_ns: int
+    boresight_rate_deg_s: float
+    boresight_start_deg: float
     compression: CompressionKind
     first_azimuth: int
+    first_pulse: int
     first_range: int
     frame_id: int
     iq_encoding: IqEncodingKind
     n_azimuth: int
+    n_pulses: int
     n_range: int
     plain_bytes: int
     plane: PlaneKind
     pose: Pose
     pose_received_ns: int
     pose_stale: bool
+    pulse_period_ns: _containers.RepeatedScalarFieldContainer[float]
     range_step: int
     render_start_ns: int
     scale: float
     send_ns: int
     settings_version: int
     wedge_index: int
-    def __init__(self, frame_id: _Optional[int] = ..., plane: _Optional[_Union[PlaneKind, str]] = ..., first_azimuth: _Optional[int] = ..., n_azimuth: _Optional[int] = ..., first_range: _Optional[int] = ..., n_range: _Optional[int] = ..., wedge_index: _Optional[int] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., pose_received_ns: _Optional[int] = ..., render_start_ns: _Optional[int] = ..., send_ns: _Optional[int] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., scale: _Optional[float] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., plain_bytes: _Optional[int] = ..., azimuth_step: _Optional[int] = ..., range_step: _Optional[int] = ..., pose_stale: bool = ..., beam_ns: _Optional[int] = ...) -> None: ...
+    def __init__(self, frame_id: _Optional[int] = ..., plane: _Optional[_Union[PlaneKind, str]] = ..., first_azimuth: _Optional[int] = ..., n_azimuth: _Optional[int] = ..., first_range: _Optional[int] = ..., n_range: _Optional[int] = ..., wedge_index: _Optional[int] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., settings_version: _Optional[int] = ..., pose_received_ns: _Optional[int] = ..., render_start_ns: _Optional[int] = ..., send_ns: _Optional[int] = ..., iq_encoding: _Optional[_Union[IqEncodingKind, str]] = ..., scale: _Optional[float] = ..., compression: _Optional[_Union[CompressionKind, str]] = ..., plain_bytes: _Optional[int] = ..., azimuth_step: _Optional[int] = ..., range_step: _Optional[int] = ..., pose_stale: bool = ..., beam_ns: _Optional[int] = ..., first_pulse: _Optional[int] = ..., n_pulses: _Optional[int] = ..., pulse_period_ns: _Optional[_Iterable[float]] = ..., boresight_start_deg: _Optional[float] = ..., boresight_rate_deg_s: _Optional[float] = ...) -> None: ...
 
 class Welcome(_message.Message):
     __slots__ = ["client_name", "encodings", "limits", "major", "minor", "radars", "request_id", "role", "scene_name", "server_name", "server_version", "truth"]

@@ -19,8 +19,9 @@ class Settings(Fields):
     """Settings of a radar. None: as it is, or the default where a frame is rendered.
 
     frequency_ghz: Carrier frequency. Allowed: number 0.03 to 300 GHz.
-    mode: What the pulses make: the map of mean echoes, moving targets alone (mti), a map sharpened by Doppler (dbs), or an
-        image of synthetic aperture (sar). Allowed: "map" | "mti" | "dbs" | "sar".
+    mode: What the pulses make: the map of mean echoes, moving targets alone (mti), a map sharpened by Doppler (dbs), an
+        image of synthetic aperture (sar), or nothing yet: the samples of pulse trains (pulses). Allowed: "map" | "mti" |
+        "dbs" | "sar" | "pulses".
     sector_deg: Width of the sector in azimuth; the symmetric frustum needs less than 180. Allowed: number above 0, at most
         360 deg.
     r_min_m: Slant range of the near edge of the first range bin. Allowed: number 0 to 500000 m.
@@ -78,8 +79,10 @@ class Settings(Fields):
     pulse_extent_bins: Range bins on either side that a point reaches, at most: a rectangular pulse ends where its triangle
         does. Allowed: integer 1 to 256.
     pulse_eclipse: Cut the echo of what is nearer than half a pulse: the antenna still transmits. Allowed: true | false.
-    prf_hz: Pulses a second, of the modes mti and dbs; a radial speed of wavelength x PRF / 2 is blind. Allowed: number 1 to
-        1000000 Hz.
+    prf_hz: Pulses a second, of the modes mti, dbs and pulses; a radial speed of wavelength x PRF / 2 is blind. Allowed:
+        number 1 to 1000000 Hz.
+    pulse_stagger: Of pulse trains: intervals between pulses over 1 / prf_hz, one after the other, round and round; empty:
+        all alike. Allowed: a list of up to 16 numbers, 0.5 to 2.
     doppler_pulses: Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows.
         Allowed: integer 2 to 1024.
     doppler_window: Weights of these pulses, and of a synthetic aperture: wider beams, lower sidelobes. Allowed: "none" |
@@ -117,10 +120,17 @@ class Settings(Fields):
     polarisation: Of the radar's wave, for the rain's attenuation. Allowed: "horizontal" | "vertical".
     wind_m_s: Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them through.
         Allowed: number 0 to 60 m/s.
+    wind_from_deg: Where the wind comes from, clockwise from true north: the sea returns more against it. Allowed: number 0
+        to 360 deg.
+    sea_state: Sea state of all water, by the NRL model of mean sea clutter; 0: water returns what its material says. "auto"
+        in a scene file is sea.state_auto. Allowed: number 0 to 6.
+    sea_state_auto: The sea state that atmosphere.wind_m_s raises; a sea.state alone ends it. Allowed: true | false.
+    sea_shape: Shape of the sea's texture in a small cell (K distribution): 0.1 is spiky, 20 nearly even; 0: no texture. Of
+        use with a sea state. Allowed: number 0 to 20.
     """
 
     frequency_ghz: float | None = None
-    mode: Literal["map", "mti", "dbs", "sar"] | None = None
+    mode: Literal["map", "mti", "dbs", "sar", "pulses"] | None = None
     sector_deg: float | None = None
     r_min_m: float | None = None
     r_max_m: float | None = None
@@ -159,6 +169,7 @@ class Settings(Fields):
     pulse_extent_bins: int | None = None
     pulse_eclipse: bool | None = None
     prf_hz: float | None = None
+    pulse_stagger: Sequence[float] | None = None
     doppler_pulses: int | None = None
     doppler_window: Literal["none", "hamming", "hann", "taylor", "blackman_harris"] | None = None
     canceller: int | None = None
@@ -186,6 +197,10 @@ class Settings(Fields):
     gas: bool | None = None
     polarisation: Literal["horizontal", "vertical"] | None = None
     wind_m_s: float | None = None
+    wind_from_deg: float | None = None
+    sea_state: float | None = None
+    sea_state_auto: bool | None = None
+    sea_shape: float | None = None
 
     def replace(self, **changes: Unpack[SettingsFields]) -> Settings:
         """The same, but for these."""
@@ -197,7 +212,8 @@ Settings.choices = {
         "map": 0,
         "mti": 1,
         "dbs": 2,
-        "sar": 3
+        "sar": 3,
+        "pulses": 4
     },
     "speckle": {
         "ground": 0,
@@ -309,6 +325,7 @@ Settings.keys = {
     "pulse.extent_bins": "pulse_extent_bins",
     "pulse.eclipse": "pulse_eclipse",
     "pulse.prf_hz": "prf_hz",
+    "pulse.stagger": "pulse_stagger",
     "doppler.pulses": "doppler_pulses",
     "doppler.window": "doppler_window",
     "doppler.canceller": "canceller",
@@ -335,7 +352,11 @@ Settings.keys = {
     "atmosphere.rain_top_m": "rain_top_m",
     "atmosphere.gas": "gas",
     "atmosphere.polarisation": "polarisation",
-    "atmosphere.wind_m_s": "wind_m_s"
+    "atmosphere.wind_m_s": "wind_m_s",
+    "atmosphere.wind_from_deg": "wind_from_deg",
+    "sea.state": "sea_state",
+    "sea.state_auto": "sea_state_auto",
+    "sea.shape": "sea_shape"
 }
 
 
