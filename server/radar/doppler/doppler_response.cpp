@@ -38,6 +38,7 @@ double doppler_noise_factor(const RadarSettings& settings) {
 }
 
 DopplerResponse::DopplerResponse(const RadarSettings& settings) {
+  if (settings.mode == RadarMode::pulses) return;  // nothing is made of them
   const Taper taper = doppler_taper(settings.doppler);
   const bool is_sar = settings.mode == RadarMode::sar;
   const double end_cells = is_sar ? kSarCells : settings.doppler.pulses;

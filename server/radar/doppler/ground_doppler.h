@@ -41,7 +41,7 @@ class GroundDoppler {
   double up_hz_ = 0;
 };
 
-/// Time that a bin's echo is added up over: c pulses apart, the train of dbs. 0: a map. An image of synthetic
+/// Time that a bin's echo is added up over: c pulses apart, the train of dbs and pulses. 0: a map. An image of synthetic
 /// aperture takes its own (DopplerPlan).
 double coherent_time_s(const RadarSettings& settings);
 

@@ -11,6 +11,7 @@
 #include "server/radar/simd/ground_plates.h"
 #include "server/radar/simd/ground_speckle.h"
 #include "server/radar/simd/profiles.h"
+#include "server/radar/simd/pulse_sums.h"
 #include "server/radar/simd/rays.h"
 #include "server/radar/simd/rows.h"
 #include "server/radar/simd/sub_columns.h"
@@ -44,6 +45,9 @@ namespace obliq {
   K(locked_sum)           \
   K(cancelled_sum)        \
   K(sharpened_sum)        \
+  K(doppler_turns)        \
+  K(pulse_sum)            \
+  K(turn_row)             \
   K(white_noise)          \
   K(filter_row)           \
   K(video_levels)         \
