@@ -39,6 +39,8 @@ const char* model_name(ScatteringModel model) {
       return "geometric_optics";
     case ScatteringModel::flat_plate:
       return "flat_plate";
+    case ScatteringModel::sea:
+      return "sea";
   }
   return "";
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/radar/echo/sea_echo.h"
 #include "server/radar/narrow_bins.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/receiver/receiver.h"
@@ -153,7 +154,7 @@ std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthR
 }
 
 FrameTables::FrameTables(const ScenePlan& plan)
-    : scattering(plan.scene().materials(), plan.wavelength_m()),
+    : scattering(plan.scene().materials(), plan.wavelength_m(), sea_table(plan)),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               {plan.bins(), 1 / plan.bins().azimuth_width_rad, plan.is_coherent_sum(),

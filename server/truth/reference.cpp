@@ -219,7 +219,7 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
 
   const SightedBuildings sighted(world.buildings, view, first_azimuth, n_azimuth);
   check_antenna(world, sighted, sighted.in_bin(first_azimuth), view.antenna_m);
-  const StripIntegral integral(materials, view, sampling.step_m);
+  const StripIntegral integral(world, materials, view, sampling.step_m);
   std::vector<BinBuildings> by_bin(static_cast<std::size_t>(n_azimuth));
   share_out(n_azimuth, sampling.threads, progress, [&] {
     return [&, integrator = BinIntegrator(world, sighted, view, sampling, integral)](int a) mutable {

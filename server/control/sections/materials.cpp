@@ -43,6 +43,13 @@ Material growing(const char* name, double gamma_db) {
   return material;
 }
 
+/// Returns as the sea does where there is a sea state.
+Material water() {
+  Material material = diffuse("water", kSeaState3_db);
+  material.model = ScatteringModel::sea;
+  return material;
+}
+
 /// Highly specular, as the paper has its buildings, over a floor of what towns return on average.
 Material building() {
   Material material;
@@ -52,10 +59,12 @@ Material building() {
   return material;
 }
 
-constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"}};
+constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"},
+                             Choice{"sea"}};
 
 constexpr std::array kRows{
-    row<&MaterialKeys::material, &Material::model>("model", kModels, "Scattering model."),
+    row<&MaterialKeys::material, &Material::model>(
+        "model", kModels, "Scattering model; \"sea\" has constant gamma where sea.state is 0."),
     row<&MaterialKeys::gamma_db>(
         "gamma_db", "dB", closed(-200, 60),
         "Constant gamma; with geometric optics the floor away from the specular direction."),
@@ -77,7 +86,7 @@ std::span<const Row<MaterialKeys>> material_rows() { return kRows; }
 
 std::vector<Material> shipped_materials() {
   return {diffuse("terrain", kFarmland_db),   building(),
-          diffuse("ground", kFarmland_db),    diffuse("water", kSeaState3_db),
+          diffuse("ground", kFarmland_db),    water(),
           diffuse("urban", kMetropolitan_db), growing("forest", kWoods_db),
           diffuse("suburb", kSuburb_db),      growing("shrubs", kBushes_db),
           growing("grass", kGrass_db),        growing("marsh", kMarsh_db),

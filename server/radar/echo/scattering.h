@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "server/radar/simd/cross_section.h"
@@ -20,9 +21,12 @@ namespace obliq {
 ///   flat plate         sigma = 4 pi tau(theta) area^2 / lambda^2, paper eq. (12) corrected
 class ScatteringTable {
  public:
-  ScatteringTable(const std::vector<Material>& materials, double wavelength_m);
+  /// sea: what water returns over its gamma in the pipeline (sea_over_gamma); null: nothing more.
+  ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
+                  std::shared_ptr<const SeaTable> sea = nullptr);
 
-  /// sigma, square metres. projected_area_m2 = solid angle x slant range^2; cos_incidence in 0..1.
+  /// sigma, square metres; of sea without its state. projected_area_m2 = solid angle x slant range^2;
+  /// cos_incidence in 0..1.
   double cross_section_m2(std::uint8_t material, double projected_area_m2, double cos_incidence) const;
 
   std::size_t size() const { return rows_.size(); }
@@ -30,6 +34,7 @@ class ScatteringTable {
   double constant_gamma(std::size_t material) const;
   /// For the kernels: gamma, peak and slope by material. Flat plates are not in it.
   EchoTable echo_table() const;
+  const SeaTable* sea() const { return sea_.get(); }
 
  private:
   struct Row {
@@ -41,6 +46,7 @@ class ScatteringTable {
     double plate_exponent;
   };
   std::vector<Row> rows_;
+  std::shared_ptr<const SeaTable> sea_;
 };
 
 }  // namespace obliq
