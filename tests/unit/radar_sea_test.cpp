@@ -5,8 +5,10 @@
 #include <numbers>
 
 #include "server/radar/echo/sea_clutter.h"
+#include "server/radar/echo/sea_warnings.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/units.h"
+#include "tests/support/scenes.h"
 
 namespace obliq {
 namespace {
@@ -82,6 +84,57 @@ TEST(SeaClutter, TakesItsStateFromTheWind) {
   EXPECT_NEAR(sea_state(s), 4, 1e-12);
   s.atmosphere.wind_m_s = 40;
   EXPECT_EQ(sea_state(s), 6);
+}
+
+/// Warnings of a frame over a sea.
+std::vector<std::string> warnings_of(RadarSettings s, double height_m = 1000) {
+  std::vector<Material> materials = test::two_materials();
+  materials[0].model = ScatteringModel::sea;
+  static const World world = load_world(test::synthetic_spec(SyntheticKind::flat, 9000, 300));
+  const auto scene = test::make_scene(world, materials);
+  const PlanResult planned = plan_frame(scene, test::snapshot(s), test::pose_over_origin(world, height_m));
+  EXPECT_TRUE(planned.plan) << all_text(planned.errors);
+  return sea_warnings(planned.plan->looks_at());
+}
+
+TEST(SeaClutter, WarnsAtTheModelsEdgesAndNamesThem) {
+  RadarSettings s = test::radar_settings(FrustumKind::sweep, {6000, 9000, 60}, {16, 16}, {16});
+  s.sea.state = 3;
+  EXPECT_TRUE(warnings_of(s).empty());
+  const auto expect_one = [](const std::vector<std::string>& warnings, const char* what, const char* edge) {
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].find(what), std::string::npos) << warnings[0];
+    EXPECT_NE(warnings[0].find(edge), std::string::npos) << warnings[0];
+  };
+  RadarSettings other = s;
+  other.frequency_ghz = 94;
+  expect_one(warnings_of(other), "radar.frequency_ghz = 94", "at 35 GHz");
+  other.frequency_ghz = 0.3;
+  expect_one(warnings_of(other), "radar.frequency_ghz = 0.3", "at 0.5 GHz");
+  other = s;
+  other.sea.state_auto = true;
+  other.atmosphere.wind_m_s = 20;
+  expect_one(warnings_of(other), "a wind of 20 m/s raises state 10.0", "ends at state 6");
+  // By sin(psi) = h / r over flat ground: 0.1 degrees of 10 m at 5.7 km, 60 of 7 km at 8.1 km, 10 of 1.2 km
+  // at 6.9 km.
+  expect_one(warnings_of(s, 10), "beyond 5.7 km", "less than 0.1 degrees");
+  expect_one(warnings_of(s, 7000), "nearer than 8.1 km", "more than 60 degrees");
+  other = s;
+  other.atmosphere.wind_m_s = 5;
+  expect_one(warnings_of(other, 1200), "nearer than 6.9 km", "more than 10 degrees");
+  other = s;
+  other.sea.state = 0;
+  EXPECT_TRUE(warnings_of(other, 10).empty());
+}
+
+TEST(SeaClutter, FindsTheRangeOfAGrazingAngle) {
+  for (const double radius_m : {4.0 / 3 * 6371e3, double{INFINITY}})
+    for (const double height_m : {2.0, 1000.0, 12000.0})
+      for (const double degrees : {0.1, 10.0, 60.0})
+        EXPECT_NEAR(
+            grazing_rad(height_m, range_of_grazing_m(height_m, degrees * kDegree_rad, radius_m), radius_m) /
+                kDegree_rad,
+            degrees, 1e-9);
 }
 
 }  // namespace
