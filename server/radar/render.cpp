@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/radar/echo/sea_echo.h"
+#include "server/radar/echo/sea_texture.h"
 #include "server/radar/narrow_bins.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/receiver/receiver.h"
@@ -154,7 +155,7 @@ std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthR
 }
 
 FrameTables::FrameTables(const ScenePlan& plan)
-    : scattering(plan.scene().materials(), plan.wavelength_m(), sea_table(plan)),
+    : scattering(plan.scene().materials(), plan.wavelength_m(), sea_table(plan), sea_texture(plan)),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               {plan.bins(), 1 / plan.bins().azimuth_width_rad, plan.is_coherent_sum(),

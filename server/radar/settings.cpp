@@ -75,7 +75,10 @@ bool normalises_samples(const RadarSettings& settings) {
 }
 
 bool same_antenna(const RadarSettings& settings, PoseSettings a, const PoseSettings& b) {
-  a.sim_time_ns = b.sim_time_ns;
+  // The texture of the sea drifts with the wind.
+  const bool drifts = (settings.sea.state > 0 || settings.sea.state_auto) && settings.sea.shape > 0 &&
+                      settings.atmosphere.wind_m_s > 0;
+  if (!drifts) a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;
   a.valid_s = b.valid_s;
   a.time_rate = b.time_rate;

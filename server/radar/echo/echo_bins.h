@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "server/radar/bins.h"
@@ -10,6 +11,7 @@
 #include "server/radar/echo/speckle.h"
 #include "server/radar/samples.h"
 #include "server/radar/scene_plan.h"
+#include "server/radar/simd/sea_texture.h"
 
 namespace obliq {
 
@@ -34,6 +36,7 @@ class EchoBins {
 
  private:
   void add_speckle(std::size_t azimuth);
+  void texture_samples(const SampleBatch& samples);
 
   const ScenePlan& plan_;
   const ScatteringTable& scattering_;
@@ -47,6 +50,7 @@ class EchoBins {
   std::vector<ScattererSums> scatterers_;  // [range.count], ground speckle only
   SwathCells cells_;
   EchoFactors factors_;
+  std::unique_ptr<SeaPieces> pieces_;  // where the sea has a texture
   BinnedSamples placed_;
 };
 

@@ -13,6 +13,7 @@ namespace obliq {
 namespace {
 // In units of ask().
 constexpr int kAnEcho = 4;
+constexpr int kAPiece = 16;
 constexpr int kAScatterer = 8;
 }  // namespace
 
@@ -23,7 +24,9 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
       surfaces_(surfaces),
       bins_(plan, speckle, voltages, labels),
       table_(scattering.echo_table()),
+      texture_(scattering.texture()),
       wants_labels_(labels) {
+  if (texture_ != nullptr) pieces_ = std::make_unique<SeaPieces>();
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
   table_.range_normalisation = normalises_samples(plan.settings());
@@ -68,6 +71,7 @@ void EchoCells::add(GroundEchoes& echoes) {
   const StageProbe probe(Stage::bin);
   const int n = surfaces_ == Surfaces::buildings ? 0 : echoes.n;
   ask(kAnEcho * n);
+  if (texture_ != nullptr && n > 0) texture_sea(echoes);
   for (int k = 0; k < n; ++k) {
     const std::uint32_t at = echoes.at[k];
     list_at_[k] = static_cast<std::uint32_t>(
@@ -83,6 +87,35 @@ void EchoCells::add(GroundEchoes& echoes) {
   }
   echoes.n = 0;
   echoes_ += static_cast<std::uint64_t>(n);
+}
+
+/// Multiplies echoes of the sea by the texture's mean over their pieces.
+void EchoCells::texture_sea(GroundEchoes& echoes) const {
+  const BinGrid& bins = plan_.bins();
+  const auto width_rad = static_cast<float>(bins.azimuth_width_rad / sweep_columns_per_bin(plan_.settings()));
+  std::uint32_t of[SeaPieces::kMost];
+  SeaPieces& pieces = *pieces_;
+  pieces.n = 0;
+  static_assert(kList <= SeaPieces::kMost);
+  for (int k = 0; k < echoes.n; ++k) {
+    if (!(table_.sea->over_gamma[echoes.material[k]] > 0)) continue;
+    const std::uint32_t run = echoes.at[k] % GroundEchoes::kRuns;
+    const auto piece = static_cast<std::size_t>(pieces.n++);
+    of[piece] = static_cast<std::uint32_t>(k);
+    const float distance_m = echoes.distance_m[k];
+    const auto range_m = static_cast<float>(bins.edge_m(echoes.at[k] / GroundEchoes::kRuns + 0.5));
+    pieces.x_m[piece] = distance_m * static_cast<float>(where_.sin_bearing[run]);
+    pieces.z_m[piece] = distance_m * static_cast<float>(where_.cos_bearing[run]);
+    pieces.along_m[piece] = static_cast<float>(bins.range_spacing_m) * (range_m / std::max(distance_m, 1.0F));
+    pieces.across_m[piece] = distance_m * width_rad;
+  }
+  if (pieces.n == 0) return;
+  ask(kAPiece * pieces.n);
+  active_kernels().sea_texture(*texture_, pieces);
+  for (std::size_t piece = 0; piece < static_cast<std::size_t>(pieces.n); ++piece) {
+    echoes.light[of[piece]] *= pieces.tau[piece];
+    echoes.sine[of[piece]] *= pieces.tau[piece];
+  }
 }
 
 void EchoCells::add(const GroundStretches& stretches) {

@@ -16,8 +16,9 @@ constexpr double kEdgeOn = 1e-6;
 }  // namespace
 
 ScatteringTable::ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
-                                 std::shared_ptr<const SeaTable> sea)
-    : sea_(std::move(sea)) {
+                                 std::shared_ptr<const SeaTable> sea,
+                                 std::shared_ptr<const SeaTexture> texture)
+    : sea_(std::move(sea)), texture_(std::move(texture)) {
   rows_.reserve(materials.size());
   for (const Material& material : materials) {
     const double slope2 = material.rms_slope * material.rms_slope;

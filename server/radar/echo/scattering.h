@@ -9,6 +9,8 @@
 
 namespace obliq {
 
+struct SeaTexture;  // server/radar/simd/sea_texture.h
+
 /// Radar cross section of the surface, one row per material with its constants worked out (PAPER.md,
 /// eq. 12). Immutable.
 ///
@@ -23,7 +25,8 @@ class ScatteringTable {
  public:
   /// sea: what water returns over its gamma in the pipeline (sea_over_gamma); null: nothing more.
   ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
-                  std::shared_ptr<const SeaTable> sea = nullptr);
+                  std::shared_ptr<const SeaTable> sea = nullptr,
+                  std::shared_ptr<const SeaTexture> texture = nullptr);
 
   /// sigma, square metres; of sea without its state. projected_area_m2 = solid angle x slant range^2;
   /// cos_incidence in 0..1.
@@ -35,6 +38,8 @@ class ScatteringTable {
   /// For the kernels: gamma, peak and slope by material. Flat plates are not in it.
   EchoTable echo_table() const;
   const SeaTable* sea() const { return sea_.get(); }
+  /// By which powers of pieces of the sea are multiplied; null: it is smooth.
+  const SeaTexture* texture() const { return texture_.get(); }
 
  private:
   struct Row {
@@ -47,6 +52,7 @@ class ScatteringTable {
   };
   std::vector<Row> rows_;
   std::shared_ptr<const SeaTable> sea_;
+  std::shared_ptr<const SeaTexture> texture_;
 };
 
 }  // namespace obliq

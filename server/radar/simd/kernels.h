@@ -14,6 +14,7 @@
 #include "server/radar/simd/pulse_sums.h"
 #include "server/radar/simd/rays.h"
 #include "server/radar/simd/rows.h"
+#include "server/radar/simd/sea_texture.h"
 #include "server/radar/simd/sub_columns.h"
 
 namespace obliq {
@@ -27,6 +28,7 @@ namespace obliq {
   K(cut_at_range_bins)    \
   K(ground_echoes)        \
   K(ground_places)        \
+  K(sea_texture)          \
   K(profile_nodes)        \
   K(see_part)             \
   K(face_voltages)        \
