@@ -225,9 +225,7 @@ bool OnceJob::render_slice(Frame& frame) const {
   if (frame.next_azimuth < frame.end_azimuth) return true;
   const RadarSettings& settings = request.view.settings->settings;
   if (wants_pulses(request.choice, settings)) {
-    const bool turns = settings.scan_mode != ScanMode::frame;
-    const TrainLook look{{0, settings.azimuth_bins}, turns ? settings.scan_rate_deg_s : 0};
-    const auto made = frame.plan->render_train(look, options);
+    const auto made = frame.plan->render_train(train_of_frame(settings), options);
     if (!made) return stopped();
     if (!has_bins) frame.stats->add({0, {}, made->stats});
     for (const BlockPtr& block : frame.encoder->train(made->train)) frame.send(context_.events, block);

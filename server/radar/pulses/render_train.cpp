@@ -142,6 +142,10 @@ double farthest_seen_m(const Scene& scene, const Pose& pose) {
   return std::isfinite(seen_m) ? std::min(loaded_m, seen_m) : loaded_m;
 }
 
+TrainLook train_of_frame(const RadarSettings& s) {
+  return {{0, s.azimuth_bins}, s.scan_mode == ScanMode::frame ? 0 : s.scan_rate_deg_s};
+}
+
 std::optional<RenderedTrain> render_train(const std::shared_ptr<const Scene>& scene, const FramePlan& plan,
                                           const TrainLook& look, const RenderOptions& options) {
   return TrainWork(scene, plan, look, options).run();
