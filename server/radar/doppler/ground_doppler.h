@@ -41,8 +41,8 @@ class GroundDoppler {
   double up_hz_ = 0;
 };
 
-/// Time that a bin's echo is added up over: c pulses apart, the train of dbs and pulses. 0: a map. An image of synthetic
-/// aperture takes its own (DopplerPlan).
+/// Time that a bin's echo is added up over: c pulses apart, the train of dbs and pulses. 0: a map. An image
+/// of synthetic aperture takes its own (DopplerPlan).
 double coherent_time_s(const RadarSettings& settings);
 
 /// Doppler cells of the ground in a beam, B = 2 v theta3 sin(psi) T / lambda; across_m_s: v sin(psi).
