@@ -258,6 +258,30 @@ TEST_F(SceneFile, LandCoverSchemesHaveAMaterialForEveryClassButIceAndSnow) {
               "nothing beside scheme");
 }
 
+TEST_F(SceneFile, GammaRastersStandAloneOrBesideASource) {
+  const auto surface = [&](const std::string& keys) {
+    return read(std::string(kFlat) + "[[surfaces]]\n" + keys).world.surfaces.at(0);
+  };
+  EXPECT_TRUE(surface("gamma_raster = 'x.tif'\n").gamma_raster.ends_with("/x.tif"));
+  EXPECT_FALSE(surface("gamma_raster = 'x.tif'\n").raster_is_gamma);
+  EXPECT_FALSE(surface("gamma_raster = 'x.tif'\n").paints);
+  EXPECT_TRUE(surface("gamma_raster = 'x.tif'\ngamma_raster_is = 'gamma'\n").raster_is_gamma);
+  EXPECT_TRUE(surface("gamma_raster = 'x.tif'\nmaterial = 'grass'\n").paints);
+  EXPECT_TRUE(surface("source = 'a.shp'\nmaterial = 'grass'\ngamma_raster = 'x.tif'\n").paints);
+  const auto refused = [&](const std::string& keys) {
+    return complaint(std::string(kFlat) + "[[surfaces]]\n" + keys);
+  };
+  EXPECT_SAYS(refused("gamma_raster = 'x.tif'\ngamma_raster_is = 'linear'\n"),
+              "surfaces.gamma_raster_is: found \"linear\"; allowed: \"offset\" | \"gamma\"");
+  EXPECT_SAYS(refused("gamma_raster = 3\n"), "surfaces.gamma_raster: found 3; allowed: a path in quotes");
+  EXPECT_SAYS(refused("source = 'a.shp'\nmaterial = 'grass'\ngamma_raster_is = 'gamma'\n"),
+              "allowed: nothing without gamma_raster");
+  EXPECT_SAYS(refused("gamma_raster = 'x.tif'\nclasses = [3]\n"),
+              "surfaces.classes: found a list; allowed: nothing without source");
+  EXPECT_SAYS(refused("source = 'a.shp'\ngamma_raster = 'x.tif'\n"), "surfaces.material: found nothing");
+  EXPECT_SAYS(refused("material = 'grass'\n"), "surfaces.source: found nothing");
+}
+
 TEST_F(SceneFile, MaterialsAreOverriddenAddedAndNamed) {
   const SceneConfig config = read(std::string(kFlat) + R"(
 [materials.building]
