@@ -128,6 +128,38 @@ TEST_F(SceneFile, FlagsBeatEnvironmentBeatFileBeatDefaults) {
   EXPECT_EQ(by_flag.radars[0].settings.r_max_m, 30000);  // the later flag wins
 }
 
+TEST_F(SceneFile, PolarisationHasTwoNames) {
+  const auto polarisation = [&](const std::string& text, const std::vector<std::string>& flags = {}) {
+    return read(std::string(kFlat) + text, flags).radars[0].settings.atmosphere.polarisation;
+  };
+  EXPECT_EQ(polarisation(""), Polarisation::horizontal);
+  EXPECT_EQ(polarisation("[radar]\npolarisation = \"vertical\"\n"), Polarisation::vertical);
+  EXPECT_EQ(polarisation("[atmosphere]\npolarisation = \"vertical\"\n"), Polarisation::vertical);
+  EXPECT_EQ(polarisation("[atmosphere]\npolarisation = \"vertical\"\n[radar]\npolarisation = \"vertical\"\n"),
+            Polarisation::vertical);
+  // A flag beats the file, whichever name it has; so does a variable.
+  const std::string file = "[atmosphere]\npolarisation = \"horizontal\"\n";
+  EXPECT_EQ(polarisation(file, {"radar.polarisation=vertical"}), Polarisation::vertical);
+  EXPECT_EQ(polarisation("[radar]\npolarisation = \"horizontal\"\n", {"atmosphere.polarisation=vertical"}),
+            Polarisation::vertical);
+  setenv("OBLIQ_RADAR_POLARISATION", "vertical", 1);
+  EXPECT_EQ(polarisation(file), Polarisation::vertical);
+  EXPECT_EQ(polarisation(file, {"atmosphere.polarisation=horizontal"}), Polarisation::horizontal);
+  unsetenv("OBLIQ_RADAR_POLARISATION");
+  const std::string both =
+      "radar.polarisation: found \"vertical\" beside atmosphere.polarisation = "
+      "\"horizontal\"; allowed: one of them";
+  EXPECT_SAYS(complaint(std::string(kFlat) + file + "[radar]\npolarisation = \"vertical\"\n"), both);
+  EXPECT_SAYS(complaint(std::string(kFlat) + "[[radar]]\npolarisation = \"vertical\"\n[radar.atmosphere]\n"
+                                             "polarisation = \"horizontal\"\n"),
+              both);
+  EXPECT_SAYS(
+      complaint(std::string(kFlat), {"radar.polarisation=vertical", "atmosphere.polarisation=horizontal"}),
+      "radar.polarisation: found vertical beside atmosphere.polarisation = horizontal; allowed: one of them");
+  EXPECT_SAYS(complaint(std::string(kFlat) + "[radar]\npolarisation = \"left\"\n"),
+              "radar.polarisation: found \"left\"; allowed: \"horizontal\" | \"vertical\"");
+}
+
 TEST_F(SceneFile, AFlagBeatsARadarsOwnTableAndCanNameOneRadar) {
   const std::string text =
       std::string(kFlat) + "[[radar]]\nname = \"a\"\nfrustum.pixels = 64\n[[radar]]\nname = \"b\"\n";
