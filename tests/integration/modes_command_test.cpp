@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
@@ -97,7 +98,7 @@ TEST_F(ModesCommand, FramesOfEachModeAreRecordedAndReplayedToTheBit) {
     if (map.empty()) map = power;
     EXPECT_EQ(power == map, mode == std::string("plain")) << mode;
 
-    Running replay({"replay", file, "--serve", "--port", "0", "--loop"}, folder / "replay.log");
+    Running replay({"replay", file, "--serve", "--port", "0", "--loop"}, folder / (played + ".log"));
     client::Client client = connected(replay.await(" on "));
     client::FrameAssembler frames(wire::kAllPlanes);
     client.set_handler(&frames);
@@ -143,7 +144,8 @@ TEST_F(ModesCommand, AnExerciseKeepsItsModes) {
   EXPECT_EQ(obliq({"get", "--radar", "plain", "--out", folder / "loaded"}).code, 0);
   // A mode without its beam in the file is refused as a whole.
   std::string bad = text;
-  bad.replace(bad.find("beam.pattern = \"gaussian\""), 24, "beam.pattern = \"off\"");
+  const std::string beam = "beam.pattern = \"gaussian\"";
+  bad.replace(bad.find(beam), beam.size(), "beam.pattern = \"off\"");
   const Outcome refused = obliq({"load", folder.write("bad.toml", bad)});
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.err.find("radar.mode: found \"dbs\" with beam.pattern = \"off\""), std::string::npos)
