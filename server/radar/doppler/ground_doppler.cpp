@@ -52,6 +52,11 @@ double coherent_time_s(const RadarSettings& settings) {
   }
 }
 
+double aperture_s_a_m(const RadarSettings& settings, double across_m_s) {
+  if (!(across_m_s > 0)) return 0;
+  return wavelength_at(settings.frequency_ghz) / (2 * across_m_s * settings.doppler.resolution_m);
+}
+
 double cells_in_beam(const RadarSettings& settings, double beam_rad, double across_m_s) {
   return 2 * across_m_s * beam_rad * coherent_time_s(settings) / wavelength_at(settings.frequency_ghz);
 }
