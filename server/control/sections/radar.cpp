@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <utility>
 
 #include "server/control/parameters.h"
 #include "server/control/planes_per_bin.h"
@@ -12,6 +11,7 @@
 #include "server/control/radar_presets.h"
 #include "server/control/sections/parameter_row.h"
 #include "server/control/sections/platform.h"
+#include "server/control/sections/radar_aliases.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 #include "server/radar/beam/pattern_cuts.h"
@@ -112,34 +112,6 @@ void read_parameters(SectionReader& reader, const std::string& section, RadarRea
     }
     if (reader.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
       radar.set_at[name] = reader.table().find(local)->where;
-  }
-}
-
-/// From what a value comes: a flag beats a variable, and that the file.
-int rank_of_source(const ConfigNode& node) {
-  return node.layer == 0 ? 0 : node.where.starts_with("environment") ? 1 : 2;
-}
-
-/// Second names of parameters, which stand in the radar's own table.
-void read_aliases(SceneReading& scene, SectionReader& own, RadarReading& radar) {
-  for (const KeyAlias& each : kKeyAliases) {
-    const std::string_view local = name_in("radar", each.alias);
-    const ConfigNode* const here = own.take(local);
-    if (here == nullptr) continue;
-    const std::string_view section = each.name.substr(0, each.name.find('.'));
-    const ConfigNode* there = nullptr;
-    for (const SectionReader* holder : {&std::as_const(scene.top), &std::as_const(own)})
-      if (const ConfigNode* table = holder->table().find(section))
-        if (const ConfigNode* node = table->find(name_in(section, each.name))) there = node;
-    if (there != nullptr && rank_of_source(*there) > rank_of_source(*here)) continue;
-    if (there != nullptr && rank_of_source(*there) == rank_of_source(*here) && there->value != here->value)
-      scene.complaints.add(here->where, {std::string(each.alias),
-                                         here->found_text() + " beside " + std::string(each.name) + " = " +
-                                             there->found_text(),
-                                         std::string(kOneOfTwoNames)});
-    const Parameter& parameter = *find_parameter(each.name);
-    if (own.read_unchecked(local, parameter.key, parameter.slot(radar.config)))
-      radar.set_at[std::string(each.name)] = here->where;
   }
 }
 
@@ -288,7 +260,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
       reader.finish();
     }
   }
-  read_aliases(scene, own, radar);
+  read_aliases(scene, own, radar.config, radar.set_at);
   // A number without a word on the switch is meant.
   for (const AutoKey& automatic : kAutoKeys)
     if (radar.set_at.contains(std::string(automatic.key)) &&
@@ -323,15 +295,6 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
                          {"antenna.geoid_undulation_m", "nothing with height_reference = \"ellipsoid\"",
                           "the geoid's height above the ellipsoid there, m"});
   return radar;
-}
-
-/// Says which platforms carry nothing: a server does not have them.
-void note_empty_platforms(SceneConfig& config) {
-  for (const auto& platform : config.platforms)
-    if (std::ranges::none_of(config.radars, [&](const RadarConfig& r) { return r.platform == platform; }))
-      config.notes.push_back(
-          "[[platform]] " + toml_string(platform->name) +
-          " carries no radar, and is left out: radar.platform names what a radar rides on");
 }
 
 /// As TOML; empty where there is nothing to print.

@@ -10,8 +10,6 @@ namespace obliq {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;
-/// Beyond the cells of the ground in the beam.
-constexpr double kRowsBesideCells = 3;
 
 }  // namespace
 
@@ -63,7 +61,7 @@ double cells_in_beam(const RadarSettings& settings, double beam_rad, double acro
 
 double rows_a_beamwidth(const RadarSettings& settings, double beam_rad, double across_m_s) {
   if (!(coherent_time_s(settings) > 0)) return 0;
-  return cells_in_beam(settings, beam_rad, across_m_s) + kRowsBesideCells;
+  return cells_in_beam(settings, beam_rad, across_m_s) + settings.doppler.rows_beside_cells;
 }
 
 }  // namespace obliq
