@@ -144,10 +144,14 @@ ReportRow image_row(const FramePlan& plan) {
           text_of(values("resolution_m"_is = s.doppler.resolution_m,
                          "speed_m_s"_is = doppler.velocity().across_m_s(0),
                          "time_s"_is = doppler.turns_a_hz(middle_m), "range_km"_is = middle_m / 1000,
-                         "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0)),
+                         "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0),
+                         "prf_hz"_is = s.pulse.prf_hz,
+                         "pulses"_is = doppler.turns_a_hz(middle_m) * s.pulse.prf_hz),
                   {{"sar", true,
                     "{resolution_m:3} m across range: {time_s:.2f} s of flight at {speed_m_s:.1f} m/s, an "
-                    "aperture of {length_m:.0f} m at {range_km:.1f} km. "}})};
+                    "aperture of {length_m:.0f} m at {range_km:.1f} km; of its {pulses:.0f} pulses at "
+                    "{prf_hz:6} Hz the "
+                    "noise is added up. "}})};
 }
 
 ReportRow train_row(const FramePlan& plan) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/receiver/receiver.h"
@@ -168,8 +169,13 @@ FrameTables::FrameTables(const ScenePlan& plan)
 }
 
 AirView air_view(const ScenePlan& plan) {
+  double across_m_s = 0;
+  if (plan.settings().mode == RadarMode::sar) {
+    const glm::dvec3 v = antenna_velocity_m_s(plan.scene().world(), plan.pose());
+    across_m_s = std::abs(v.x * plan.sector().cos_bearing - v.z * plan.sector().sin_bearing);
+  }
   return {plan.scene().world().frame.geodetic_from_world(plan.pose().antenna).height_m,
-          plan.extent().median_height_m, plan.antenna_gain().tilt_rad()};
+          plan.extent().median_height_m, plan.antenna_gain().tilt_rad(), across_m_s};
 }
 
 std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter) {

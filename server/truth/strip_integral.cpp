@@ -98,8 +98,11 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
     const double r_m = std::sqrt(r2);
     const double d_m = line.foot_d_m + t_m * line.d_per_t;
     const double projected_area_m2 = d_m * line.width_rad * step_m * line.p_m / r_m;
-    const double sigma_m2 = scattering_.cross_section_m2(strip.material, projected_area_m2,
-                                                         std::min(1.0, strip.plane_distance_m / r_m));
+    const double sigma_m2 =
+        strip.raster_gamma < 0
+            ? -strip.raster_gamma * projected_area_m2
+            : strip.raster_gamma * scattering_.cross_section_m2(strip.material, projected_area_m2,
+                                                                std::min(1.0, strip.plane_distance_m / r_m));
     const double sine = (line.foot_h_m + t_m * line.h_per_t) / r_m;
     double power_w = range_constant_ * (range_normalisation_ ? sigma_m2 : sigma_m2 / (r2 * r2));
     if (two_way_gain_) power_w *= two_way_gain_(sine, line.bearing_rad);

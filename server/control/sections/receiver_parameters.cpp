@@ -6,8 +6,6 @@
 namespace obliq {
 namespace {
 
-constexpr std::array kPolarisations{Choice{"horizontal", "HORIZONTAL"}, Choice{"vertical", "VERTICAL"}};
-
 using enum ModbusWords;
 using parameter_table::row;
 
@@ -79,7 +77,7 @@ const std::array kParameters{
         "Attenuation by oxygen and water vapour of the standard atmosphere at sea level."),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::polarisation>(
         "atmosphere.polarisation", "", kPolarisations, "polarisation", {},
-        "Of the radar's wave, for the rain's attenuation."),
+        "Of the radar's wave, for the rain's attenuation. radar.polarisation is the same."),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_m_s>(
         "atmosphere.wind_m_s", "m/s", closed(0, 60), "wind_m_s", {347, i32, 1e3},
         "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "

@@ -32,6 +32,17 @@ std::optional<FieldError> image_fault(const RadarSettings& s, const EchoPlace& p
   return std::nullopt;
 }
 
+std::optional<FieldError> image_fault(const RadarSettings& s, const PoseSettings& pose) {
+  const double bearing_rad = pose.bearing_deg * kDegree_rad;
+  const double north = pose.velocity_north_m_s.value_or(0);
+  const double east = pose.velocity_east_m_s.value_or(0);
+  EchoPlace place;
+  place.velocity = {north * std::cos(bearing_rad) + east * std::sin(bearing_rad),
+                    east * std::cos(bearing_rad) - north * std::sin(bearing_rad),
+                    pose.velocity_up_m_s.value_or(0)};
+  return image_fault(s, place);
+}
+
 std::optional<FieldError> too_few_rows(const RadarSettings& s, const EchoLayout& layout,
                                        const EchoPlace& place) {
   const std::string speed = fmt::format("{:.4g} m/s", place.velocity.level_m_s());

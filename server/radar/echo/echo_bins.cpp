@@ -37,6 +37,7 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
       speckle_(speckle),
       range_(range),
       surfaces_(surfaces),
+      has_raster_gamma_(!plan.scene().world().raster_gamma.empty()),
       range_constant_(radar_equation_constant(plan.settings().power_w, plan.wavelength_m())),
       bins_(plan, speckle, true, labels) {
   cells_.axis = plan.bins();
@@ -75,6 +76,10 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     if (std::isnan(sigma))
       sigma = scattering_.cross_section_m2(
           samples.material[k], samples.solid_angle_sr[k] * placed_.range2_m2[k], samples.cos_incidence[k]);
+    if (has_raster_gamma_ && samples.face[k] == kNoFace) {
+      const auto said = static_cast<double>(samples.raster_gamma[k]);
+      sigma = said < 0 ? -said * (samples.solid_angle_sr[k] * placed_.range2_m2[k]) : said * sigma;
+    }
     const double dx = samples.x_m[k] - at_m.x;
     const double dz = samples.z_m[k] - at_m.z;
     double sine = samples.sin_elevation[k];

@@ -40,6 +40,7 @@ class EchoBins {
   const SpeckleField& speckle_;
   AzimuthRange range_;
   Surfaces surfaces_;
+  bool has_raster_gamma_;
   double range_constant_;  // K of radar_equation
   BinSums bins_;
   DatumSurface datum_;  // of labels
