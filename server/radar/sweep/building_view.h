@@ -9,6 +9,7 @@
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/sub_columns.h"
+#include "server/radar/sweep/corner_view.h"
 #include "server/radar/sweep/near_view.h"
 #include "terrain/base/asking.h"
 
@@ -73,12 +74,15 @@ class BuildingView {
   void fill_shape(const Part& part);
   void refine(float near_m);
   void set_fineness(int n);
+  void see_corners(const Part& part);
+  void see_foot(const Part& part, std::size_t edge, int column, CornerView::Foot foot);
   void add_echoes(const Part& part, EchoCells& cells);
   FaceEcho face_echo(const PartEchoes::Echo& echo, const Part& part) const;
   void add_parts_together(EchoCells& cells);
 
   const ScenePlan& plan_;
   const NearBuildings& near_;
+  CornerView corner_view_;
   NearView near_view_;
   double far_m_;
   int planes_;
