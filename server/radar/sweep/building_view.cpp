@@ -6,7 +6,6 @@
 #include <span>
 
 #include "server/radar/simd/kernels.h"
-#include "server/radar/sweep/ground_light.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
@@ -302,81 +301,14 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
   int first = std::min(from, columns_.n - lanes);
   if (first < 0) first = 0;
   echoes_.n = 0;
-  if (corner_view_.wanted()) see_corners(part);
+  if (corner_view_.wanted()) {
+    std::uint32_t faces[ConvexShape::kMost];
+    for (std::uint32_t k = 0; k < part.n; ++k) faces[k] = corners_[part.first + k].face;
+    corner_view_.see({columns_, centre_}, shape_, faces, part.material);
+  }
   for (int k = first; k < std::min(first + lanes, columns_.n); k += kLanes)
     active_kernels().see_part(columns_, shape_, k, std::min(kLanes, end - k), echoes_);
   if (echoes_.n > 0) add_echoes(part, cells);
-}
-
-/// The corners of the part's walls, before it hides anything.
-void BuildingView::see_corners(const Part& part) {
-  for (std::size_t e = 0; e < part.n; ++e) {
-    if ((shape_.walls >> e & 1) == 0) continue;
-    const float dr = shape_.right_m[e + 1] - shape_.right_m[e];
-    const float da = shape_.ahead_m[e + 1] - shape_.ahead_m[e];
-    if (!(shape_.ahead_m[e] * dr - shape_.right_m[e] * da > 0)) continue;
-    const double length = std::hypot(static_cast<double>(dr), static_cast<double>(da));
-    const float from = std::max(std::min(shape_.tangent[e], shape_.tangent[e + 1]), -half_);
-    const float to = std::min(std::max(shape_.tangent[e], shape_.tangent[e + 1]), half_);
-    // The base lies below all ground there: from above it no corner is seen at a smaller angle.
-    const double base_m = static_cast<double>(part.base_m);
-    const double along_from = static_cast<double>(dr * from + da) / length;
-    const double along_to = static_cast<double>(dr * to + da) / length;
-    const double along = along_from * along_to > 0 ? std::min(std::abs(along_from), std::abs(along_to)) : 0;
-    const double ahead_m = static_cast<double>(std::min(shape_.ahead_m[e], shape_.ahead_m[e + 1]));
-    if (!(from < to) || !(base_m < 0) || !corner_view_.may_shine(along * ahead_m / -base_m)) continue;
-    // The lobe is narrow: by corners in double.
-    const glm::dvec3& antenna = plan_.sector().antenna_m;
-    const std::uint32_t face = corners_[part.first + static_cast<std::uint32_t>(e)].face;
-    const WallPlane plane = wall_plane(plan_.scene().world().buildings, face, antenna.x, antenna.z);
-    CornerView::Foot foot{};
-    foot.face = face;
-    foot.material = part.material;
-    foot.normal_x = plane.normal_x;
-    foot.normal_z = plane.normal_z;
-    foot.roof_m = static_cast<double>(part.roof_m);
-    const auto column_of = [&](float tangent) {
-      return std::clamp(static_cast<int>((tangent + half_) / columns_.width), 0, columns_.n - 1);
-    };
-    for (int k = column_of(from); k <= column_of(to); ++k) see_foot(part, e, k, foot);
-  }
-}
-
-/// The corner of a wall in one sub-column.
-void BuildingView::see_foot(const Part& part, std::size_t e, int column, CornerView::Foot foot) {
-  const double left = static_cast<double>(columns_.left + static_cast<float>(column) * columns_.width);
-  const auto width = static_cast<double>(columns_.width);
-  const auto t0 = static_cast<double>(shape_.tangent[e]);
-  const auto t1 = static_cast<double>(shape_.tangent[e + 1]);
-  const double from = std::max(std::min(t0, t1), left);
-  const double to = std::min(std::max(t0, t1), left + width);
-  if (!(from < to)) return;
-  const auto right0 = static_cast<double>(shape_.right_m[e]);
-  const auto ahead0 = static_cast<double>(shape_.ahead_m[e]);
-  const double dr = static_cast<double>(shape_.right_m[e + 1]) - right0;
-  const double da = static_cast<double>(shape_.ahead_m[e + 1]) - ahead0;
-  const double cross = ahead0 * dr - right0 * da;
-  const double low = std::min(ahead0, ahead0 + da);
-  const auto ahead_m = [&](double tangent) {
-    return std::clamp(cross / (dr - tangent * da), low, low + std::abs(da));
-  };
-  const double tangent = (from + to) / 2;
-  const double secant = std::sqrt(1 + tangent * tangent);
-  const double ahead = ahead_m(tangent);
-  foot.distance_m = ahead * secant;
-  foot.left_m = ahead_m(from) * secant;
-  foot.right_m = ahead_m(to) * secant;
-  foot.bearing = {(centre_.sin + tangent * centre_.cos) / secant,
-                  (centre_.cos - tangent * centre_.sin) / secant};
-  foot.width_rad = (to - from) / width * static_cast<double>(columns_.width_rad);
-  foot.shade = static_cast<double>(roofs_[static_cast<std::size_t>(column)]);
-  foot.plane = column * planes_ >> columns_.log2_n;
-  const glm::dvec3& antenna = plan_.sector().antenna_m;
-  const double ground_y_m = plan_.scene().world().grid.height_at_m(
-      antenna.x + foot.distance_m * foot.bearing.sin, antenna.z + foot.distance_m * foot.bearing.cos);
-  if (std::isnan(ground_y_m)) return;
-  foot.ground_m = std::max(ground_y_m - antenna.y, static_cast<double>(part.base_m));
-  corner_view_.add(foot, columns_.nodes);
 }
 
 void BuildingView::add_echoes(const Part& part, EchoCells& cells) {
@@ -462,11 +394,6 @@ void BuildingView::add_parts_together(EchoCells& cells) {
       sum.solid_angle_sr += of_parts_[k].solid_angle_sr;
     cells.add(profile_, sum);
   }
-}
-
-void BuildingView::kept_shares(int plane, float* kept, EchoCells& cells) const {
-  ask(columns_.nodes.n_nodes);
-  keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
 }
 
 }  // namespace obliq

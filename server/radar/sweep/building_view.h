@@ -10,6 +10,7 @@
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/sub_columns.h"
 #include "server/radar/sweep/corner_view.h"
+#include "server/radar/sweep/ground_light.h"
 #include "server/radar/sweep/near_view.h"
 #include "terrain/base/asking.h"
 
@@ -43,7 +44,10 @@ class BuildingView {
 
   /// Writes the share of a plane's light that buildings leave in each range bin of the bin seen last to
   /// kept[bin * 8], and marks in `cells` where they leave none.
-  void kept_shares(int plane, float* kept, EchoCells& cells) const;
+  void kept_shares(int plane, float* kept, EchoCells& cells) const {
+    ask(columns_.nodes.n_nodes);
+    keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
+  }
 
  private:
   struct Corner {
@@ -74,8 +78,6 @@ class BuildingView {
   void fill_shape(const Part& part);
   void refine(float near_m);
   void set_fineness(int n);
-  void see_corners(const Part& part);
-  void see_foot(const Part& part, std::size_t edge, int column, CornerView::Foot foot);
   void add_echoes(const Part& part, EchoCells& cells);
   FaceEcho face_echo(const PartEchoes::Echo& echo, const Part& part) const;
   void add_parts_together(EchoCells& cells);

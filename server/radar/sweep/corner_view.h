@@ -4,6 +4,7 @@
 
 #include "server/radar/echo/corners.h"
 #include "server/radar/echo/echo_cells.h"
+#include "server/radar/profile/roofs.h"
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/sub_columns.h"
 
@@ -18,8 +19,6 @@ class CornerView {
   CornerView(const ScenePlan& plan, const CornerTable* corners) : plan_(plan), table_(corners) {}
 
   bool wanted() const { return table_ != nullptr; }
-  /// CornerTable's; where they are wanted.
-  bool may_shine(double along_over_up) const { return table_->may_shine(along_over_up); }
 
   /// A piece of a wall's foot, so narrow that its light is one. Distances are ground distances from the
   /// antenna, heights above it.
@@ -36,6 +35,15 @@ class CornerView {
     int plane;     ///< of the bin, whose profile has the shadows of the ground
   };
 
+  /// The sub-columns of a bin and the bearing of its centre.
+  struct Columns {
+    const SubColumns& all;
+    SinCos centre;
+  };
+  /// Adds the corners of a part's walls (CornerView::add), before it hides anything. faces: of its edges.
+  void see(const Columns& columns, const ConvexShape& part, const std::uint32_t* faces,
+           std::uint8_t material);
+
   /// Adds what the foot and the lit ground before it return.
   void add(const Foot& foot, const NodeProfiles& nodes);
 
@@ -43,6 +51,7 @@ class CornerView {
   void put(int profile, EchoCells& cells);
 
  private:
+  void see_foot(const Columns& columns, const ConvexShape& part, int edge, int column, Foot foot);
   /// Parts of an echo: sums by `weight`, a cross section without reflectivity.
   struct Part {
     std::uint32_t face;
