@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/explain/explanation.h"
+#include "server/explain/loaded_scene.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
 #include "server/radar/unsampled.h"
@@ -25,20 +26,6 @@ constexpr double kStandardEarth = 4.0 / 3;
 constexpr int kTimings = 3;  ///< of a frame; the quickest counts
 /// Cells of half the size are tried up to this many nodes, and half of the memory that is free.
 constexpr double kMostFineNodes = 0x1p25;
-
-/// A world with its ray-tracing structure, ready to render.
-struct LoadedScene {
-  std::shared_ptr<World> world;
-  std::shared_ptr<const Scene> scene;
-  Pose pose;
-  std::shared_ptr<const FramePlan> own;  ///< the scene's own frustum, sharp
-  Costs costs;
-
-  void take_down() {
-    own = nullptr;
-    scene = nullptr;
-  }
-};
 
 class Experiment {
  public:
