@@ -156,6 +156,41 @@ TEST(Corners, LoweredFloorKeepsATownsMean) {
   }
 }
 
+TEST(Corners, TownOnHillsAgainstTheReference) {
+  // Streets of houses that hide each other's feet in part, over ground whose slopes turn the lobes.
+  World world = test::made_world(
+      7000, 20, [](double x, double z) { return 12 * std::sin(x / 170 + 1) * std::cos(z / 210) + 0.01 * z; });
+  for (int k = 0; k < 900; ++k) {
+    const double turn = 0.02 + 0.04 * std::sin(k * 1.7);
+    const double x = (k % 30 - 14.5) * 26 + (k / 30 % 3) * 9, z = 5000 + (k / 30) * 41;
+    const glm::dvec2 middle(x, z), u(8 * std::cos(turn), 8 * std::sin(turn)), v(-0.7 * u.y, 0.7 * u.x);
+    test::add_prism(world, {middle - u - v, middle + u - v, middle + u + v, middle - u + v}, 5 + k * 7 % 11);
+  }
+  world.buildings.corners = true;
+  const auto scene = test::make_scene(std::move(world), test::corner_materials());
+  for (const double height_m : {600.0, 1500.0}) {
+    RadarSettings s = test::radar_settings(FrustumKind::sweep, {4800, 6600, 10}, {80, 120});
+    s.pixel_columns = 160;
+    const Pose pose = test::pose_at(scene->world(), {0, height_m, 0}, 0);
+    const PlanResult planned = plan_frame(scene, test::snapshot(s), pose);
+    const ReferenceBins truth =
+        integrate_reference(scene->world(), test::corner_materials(), reference_view(*planned.plan),
+                            {16, 1, 0}, 0, s.azimuth_bins);
+    for (const int sub_columns : {0, 64}) {
+      s.sub_columns = sub_columns;
+      const std::vector<double> w = render(scene, test::snapshot(s), pose, {0, s.azimuth_bins}).bins.power_w;
+      const double all = total(truth.building_w);
+      double off = 0;
+      for (std::size_t k = 0; k < w.size(); ++k) off += std::abs(w[k] - truth.building_w[k]);
+      std::printf("from %.0f m, %d sub-columns: sum %+.3f, bins off by %.3f of it\n", height_m, sub_columns,
+                  total(w) / all - 1, off / all);
+      // Sub-columns take a shadow's edge to half their width, and the ground's own shadows to a node.
+      EXPECT_NEAR(total(w) / all, 1, sub_columns == 0 ? 0.02 : 0.06);
+      EXPECT_LT(off / all, sub_columns == 0 ? 0.05 : 0.09);
+    }
+  }
+}
+
 TEST(Corners, OneHouseAtTwelveHeadings) {
   for (const bool slope : {false, true}) {
     for (const Way& way : kWays) {

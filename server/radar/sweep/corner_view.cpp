@@ -14,6 +14,9 @@ constexpr int kAFoot = 8;  // in units of ask()
 /// Ground that lies so far below the horizon before it counts as lit: floats keep a slope to 1e-7.
 constexpr double kShallow_m = 0.01;
 
+/// Of the strip that level ground before a wall would give.
+constexpr double kMostPieces = 4;
+
 /// A piece is divided where the lobe's tangent turns by more than this share of the rms slope.
 constexpr double kLobeStep = 0.25;
 constexpr double kMostSteps = 64;
@@ -37,45 +40,49 @@ void CornerView::add(const Foot& foot, const NodeProfiles& nodes) {
   if (foot.shade >= -down) return;
   ask(kAFoot);
 
-  // The ground that takes part lies before the foot in the direction that the wall mirrors. That half way
-  // along what would be the strip on level ground stands for all of it.
+  // The ground that takes part lies before the foot in the direction that the wall mirrors, in pieces of a
+  // cell or of a share of the strip that level ground would give.
   const HeightGrid& grid = plan_.scene().world().grid;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  const double half_m = std::min(height_m / down, to_shade_m(foot, down, 0)) / 2;
+  const glm::dvec3 foot_m(antenna.x + foot.distance_m * foot.bearing.sin, antenna.y + foot.ground_m,
+                          antenna.z + foot.distance_m * foot.bearing.cos);
   const double mirrored_x = 2 * across * foot.normal_x + foot.bearing.sin;
   const double mirrored_z = 2 * across * foot.normal_z + foot.bearing.cos;
-  const GroundSlope under =
-      ground_slope_at(grid, antenna.x + foot.distance_m * foot.bearing.sin + half_m * mirrored_x,
-                      antenna.z + foot.distance_m * foot.bearing.cos + half_m * mirrored_z);
-  if (!under.known) return;
-  const FootSlope slope{under.per_x * foot.normal_x + under.per_z * foot.normal_z,
-                        under.per_x * foot.normal_z - under.per_z * foot.normal_x};
-  // Towards the antenna the ground rises by `rise` a metre, in the mirrored direction by `gain`. The ray from
-  // there to the antenna's image meets the wall below the roof.
-  const double rise = slope.across * across + slope.along * along;
-  const double gain = slope.across * across - slope.along * along;
-  const double least = gain - foot.roof_m / foot.distance_m;
-  const double strip_m =
-      lit_m(foot, nodes, std::min(least > 0 ? height_m / least : HUGE_VAL, to_shade_m(foot, down, rise)));
-  if (!(down + rise > 0 && strip_m > 0)) return;
+  const double level_m = std::min(height_m / down, to_shade_m(foot, down, 0));
+  const double piece_m = std::max(level_m / kMostPieces, std::min(level_m, grid.cell_m));
+  double end_m = 2 * level_m;
+  for (int k = 0; k * piece_m < end_m; ++k) {
+    const double from_m = k * piece_m;
+    const double middle_m = from_m + piece_m / 2;
+    const double x = foot_m.x + middle_m * mirrored_x;
+    const double z = foot_m.z + middle_m * mirrored_z;
+    const GroundSlope under = ground_slope_at(grid, x, z);
+    if (!under.known) return;
+    const FootSlope slope{under.per_x * foot.normal_x + under.per_z * foot.normal_z,
+                          under.per_x * foot.normal_z - under.per_z * foot.normal_x};
+    // Towards the antenna the ground rises by `rise` a metre, in the mirrored direction by `gain`.
+    const double rise = slope.across * across + slope.along * along;
+    const double gain = slope.across * across - slope.along * along;
+    if (k == 0) end_m = lit_m(foot, nodes, std::min(end_m, to_shade_m(foot, down, rise)));
+    const double h = grid.height_at_m(x, z) - antenna.y;
+    // The ray to the antenna's image meets the wall below the roof.
+    const double room_m = foot.roof_m * (1 + from_m / foot.distance_m) - (h - gain * piece_m / 2);
+    const double closing = gain - foot.roof_m / foot.distance_m;
+    double length_m = std::min(piece_m, end_m - from_m);
+    if (closing > 0) length_m = std::min(length_m, room_m / closing);
+    if (!(length_m > 0 && down + rise > 0)) return;
 
-  const double before = strip_m / 2 / foot.distance_m;
-  const CornerSight sight = CornerSight::over_ground(across, along, down, before, down - gain * before);
-  const std::uint8_t ground = plan_.scene().world().material_of_cell(under.i, under.j);
-  const double lobe = mean_lobe(foot, ground, sight, slope);
-  if (!(lobe > 0)) return;
-  // Rays spread on their way from the wall over the strip.
-  const double area_m2 = foot.width_rad * foot.distance_m * (1 + before) * strip_m *
-                         std::sqrt(1 + slope.across * slope.across + slope.along * slope.along);
-  share_out(foot, {foot.face,
-                   0,
-                   foot.material,
-                   ground,
-                   lobe * area_m2,
-                   sight.across,
-                   0,
-                   {antenna.x + foot.distance_m * foot.bearing.sin, antenna.y + foot.ground_m,
-                    antenna.z + foot.distance_m * foot.bearing.cos}});
+    const double before = (from_m + length_m / 2) / foot.distance_m;
+    const double down_there = -(h + gain * (length_m - piece_m) / 2) / foot.distance_m;
+    const CornerSight sight = CornerSight::over_ground(across, along, down, before, down_there);
+    const std::uint8_t ground = plan_.scene().world().material_of_cell(under.i, under.j);
+    // Rays spread on their way from the wall over the strip.
+    const double area_m2 = foot.width_rad * foot.distance_m * (1 + before) * length_m *
+                           std::sqrt(1 + slope.across * slope.across + slope.along * slope.along);
+    if (const double lobe = mean_lobe(foot, ground, sight, slope); lobe > 0)
+      share_out(foot, {foot.face, 0, foot.material, ground, lobe * area_m2, sight.across, 0, foot_m});
+    if (length_m < piece_m) return;
+  }
 }
 
 /// The lobe across the piece.
