@@ -66,6 +66,7 @@ ReferenceView reference_view(const FramePlan& plan) {
   view.power_w = settings.power_w;
   view.gain = std::pow(10.0, settings.gain_db / 10);
   view.range_normalisation = settings.range_normalisation;
+  view.vertical = settings.atmosphere.polarisation == Polarisation::vertical;
   if (settings.beam.elevation == ElevationPattern::off) return view;
   // About the antenna's own vertical.
   const ElevationTable& table = plan.looks_at().antenna_gain().elevation();

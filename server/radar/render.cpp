@@ -154,7 +154,11 @@ std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthR
 }
 
 FrameTables::FrameTables(const ScenePlan& plan)
-    : scattering(plan.scene().materials(), plan.wavelength_m()),
+    : scattering(
+          plan.scene().materials(), plan.wavelength_m(),
+          plan.scene().world().buildings.corners && plan.scene().world().buildings.walls
+              ? std::optional(CornerTable(plan.scene().materials(), plan.settings().atmosphere.polarisation))
+              : std::nullopt),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               {plan.bins(), 1 / plan.bins().azimuth_width_rad, plan.is_coherent_sum(),

@@ -46,6 +46,8 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
     factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
   if (labels) datum_ = {plan.scene().world().frame, {plan.sector().antenna_m}, plan.sector().r_max_m};
+  if (scattering.corners() != nullptr && surfaces != Surfaces::ground)
+    foot_corner_.emplace(plan, *scattering.corners());
   restart(range);
 }
 
@@ -98,6 +100,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
       bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
                          datum_.height_w(dx, dz, power * (at_m.y + r * samples.sin_elevation[k]), power));
     ++binned;
+    if (foot_corner_ && samples.face[k] != kNoFace) add_corner(samples, k);
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
       plan_.seen().mark(plan_.scene().world().buildings.building_of_face[marked = samples.face[k]]);
     if (geometric) {
@@ -118,6 +121,37 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     }
   }
   return binned;
+}
+
+/// What a wall's sample stands for of the wall's corner with the ground.
+void EchoBins::add_corner(const SampleBatch& samples, std::size_t k) {
+  const auto corner = foot_corner_->at(samples.face[k], samples.x_m[k], samples.z_m[k]);
+  if (!corner) return;
+  const double r = corner->range_m;
+  const int range_bin = plan_.bins().range_bin(r);
+  if (range_bin < 0) return;
+  const glm::dvec3 off_m = corner->foot_m - plan_.sector().antenna_m;
+  const AntennaGain& antenna = plan_.antenna_gain();
+  const double sine = off_m.y / r;
+  const double spreading = factors_.range_normalisation ? 1 : r * r * r * r;
+  const double power = radar_equation(range_constant_, antenna.power_gain(sine, off_m.x, off_m.z, r),
+                                      corner->sigma_per_sr * samples.solid_angle_sr[k], spreading);
+  const int azimuth = samples.azimuth_bin[k] - range_.first;
+  const std::size_t bin = BinSums::index(azimuth, range_bin);
+  bins_.add(bin, power, power * antenna.kept_sine(sine, off_m.x, off_m.z, r));
+  if (bins_.labels().wanted())
+    bins_.labels().add(bin, power, samples.material[k], true,
+                       datum_.height_w(off_m.x, off_m.z, power * corner->foot_m.y, power));
+  if (plan_.settings().speckle == SpeckleKind::geometric) {
+    const double round_trips = 2 * r / plan_.wavelength_m();
+    const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));
+    const double amplitude = std::sqrt(power);
+    bins_.add_voltage(bin, amplitude * at.cos, amplitude * at.sin);
+    return;
+  }
+  scatterers_[static_cast<std::size_t>(azimuth)].add(
+      static_cast<std::uint32_t>(range_bin),
+      ScattererKey(speckle_.corner(r, corner->foot_m, samples.face[k], samples.material[k])), power);
 }
 
 void EchoBins::write(BinBlock& block) {

@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "server/radar/bins.h"
 #include "server/radar/echo/bin_sums.h"
 #include "server/radar/echo/datum_surface.h"
+#include "server/radar/echo/foot_corner.h"
 #include "server/radar/echo/scatterer_sums.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
@@ -33,6 +35,7 @@ class EchoBins {
   static std::int64_t bytes(const RadarSettings& settings);
 
  private:
+  void add_corner(const SampleBatch& samples, std::size_t k);
   void add_speckle(std::size_t azimuth);
 
   const ScenePlan& plan_;
@@ -49,6 +52,7 @@ class EchoBins {
   SwathCells cells_;
   EchoFactors factors_;
   BinnedSamples placed_;
+  std::optional<FootCorner> foot_corner_;  // where corners are wanted
 };
 
 }  // namespace obliq

@@ -141,8 +141,8 @@ void EchoCells::add(int profile, const FacePower& echo) {
   if (surfaces_ == Surfaces::ground || !(echo.power > 0)) return;
   const std::uint32_t building = plan_.scene().world().buildings.building_of_face[echo.face];
   const FaceEcho whole{
-      echo.range_bin,        building, echo.face, echo.material, 0, echo.range_m / echo.power, 0,
-      echo.at_m / echo.power};
+      echo.range_bin,         building,   echo.face, echo.material, 0, echo.range_m / echo.power, 0,
+      echo.at_m / echo.power, echo.corner};
   put_face(profile, whole, table_.factor * echo.power,
            (whole.at_m.y - plan_.sector().antenna_m.y) / whole.range_m);
 }
@@ -173,7 +173,7 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
         datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
     const SpeckleField::OnFace scatterer =
-        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
+        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material, echo.corner);
     const glm::dvec3 from_antenna = scatterer.reference_m - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;

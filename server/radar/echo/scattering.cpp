@@ -14,7 +14,9 @@ constexpr double kEdgeOn = 1e-6;
 
 }  // namespace
 
-ScatteringTable::ScatteringTable(const std::vector<Material>& materials, double wavelength_m) {
+ScatteringTable::ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
+                                 std::optional<CornerTable> corners)
+    : corners_(std::move(corners)) {
   rows_.reserve(materials.size());
   for (const Material& material : materials) {
     const double slope2 = material.rms_slope * material.rms_slope;

@@ -1,8 +1,11 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "server/radar/echo/corners.h"
 #include "server/radar/simd/cross_section.h"
 #include "server/scene/materials.h"
 
@@ -20,7 +23,9 @@ namespace obliq {
 ///   flat plate         sigma = 4 pi tau(theta) area^2 / lambda^2, paper eq. (12) corrected
 class ScatteringTable {
  public:
-  ScatteringTable(const std::vector<Material>& materials, double wavelength_m);
+  /// corners: of walls with the ground before them; empty: they return nothing.
+  ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
+                  std::optional<CornerTable> corners = {});
 
   /// sigma, square metres. projected_area_m2 = solid angle x slant range^2; cos_incidence in 0..1.
   double cross_section_m2(std::uint8_t material, double projected_area_m2, double cos_incidence) const;
@@ -30,6 +35,8 @@ class ScatteringTable {
   double constant_gamma(std::size_t material) const;
   /// For the kernels: gamma, peak and slope by material. Flat plates are not in it.
   EchoTable echo_table() const;
+  /// Null: none are wanted.
+  const CornerTable* corners() const { return corners_ ? &*corners_ : nullptr; }
 
  private:
   struct Row {
@@ -41,6 +48,7 @@ class ScatteringTable {
     double plate_exponent;
   };
   std::vector<Row> rows_;
+  std::optional<CornerTable> corners_;
 };
 
 }  // namespace obliq
