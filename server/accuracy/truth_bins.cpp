@@ -71,6 +71,7 @@ ReferenceView reference_view(const FramePlan& plan) {
   const AtmosphereSettings& air = settings.atmosphere;
   view.sea = {sea_state(settings), settings.frequency_ghz, air.polarisation == Polarisation::vertical,
               air.wind_m_s > 0, air.wind_from_deg * kDegree_rad + plan.pose().north_rad};
+  view.vertical = settings.atmosphere.polarisation == Polarisation::vertical;
   if (settings.beam.elevation == ElevationPattern::off) return view;
   // About the antenna's own vertical.
   const ElevationTable& table = plan.looks_at().antenna_gain().elevation();

@@ -52,6 +52,13 @@ std::vector<FieldError> flat_plate_faults(const RadarSettings& settings,
            "\"oblique\" or \"symmetric\", whose rays they need, or another materials.NAME.model"}};
 }
 
+std::int64_t pulse_samples(const RadarSettings& s) {
+  if (s.mode != RadarMode::pulses) return 0;
+  const int dwell_bins = s.scan_mode == ScanMode::frame ? s.azimuth_bins : std::max(1, s.scan_dwell_bins);
+  const std::int64_t trains = (s.azimuth_bins + dwell_bins - 1) / dwell_bins;
+  return trains * s.doppler.pulses * s.range_bins;
+}
+
 RadarSettings sharp_settings(RadarSettings settings) {
   if (draws_speckle(settings) || settings.speckle == SpeckleKind::automatic)
     settings.speckle = SpeckleKind::ground;

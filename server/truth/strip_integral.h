@@ -17,6 +17,7 @@ struct Strip {
   double plane_distance_m;  ///< D: the antenna's distance from the surface's plane in space
   std::int32_t building;    ///< kGroundStrip on ground
   std::uint8_t material;
+  double raster_gamma = 1;  ///< World::raster_gamma of the ground
 };
 
 /// The largest tangent of elevation met so far. Long double: at 40 km and grazing, a double's rounding of the

@@ -55,7 +55,7 @@ inline PulseTrain train_of(const TargetScene& scene, const RadarSettings& s, con
   options.receiver = choice.receiver;
   const AzimuthRange all{0, s.azimuth_bins};
   const TrainLook look{choice.azimuths.count == 0 ? all : choice.azimuths, choice.rate_deg_s};
-  return *render_train(scene.shared(), *planned.plan, look, options);
+  return render_train(scene.shared(), *planned.plan, look, options)->train;
 }
 
 inline std::complex<double> sample(const PulseTrain& train, int pulse, int gate) {

@@ -78,6 +78,11 @@ constexpr std::string_view kSpan = "[least, most], or one number,";
 using Houses = BuildingSourceSpec;
 constexpr std::array kBuildingUnits{Choice{"m"}, Choice{"ft"}};
 
+/// [buildings] without a source: the switch alone, as of a scene whose buildings are prisms.
+bool is_corners_alone(const ConfigNode& table) {
+  return table.items.size() == 1 && table.items.front().key == "corners";
+}
+
 void read_building_unit(const FoundKey& found, Houses& houses) {
   if (found.reader.read(found.name, Key{"buildings.unit", ""}, &houses.unit) && !houses.unit.empty() &&
       std::ranges::find(kBuildingUnits, std::string_view(houses.unit), &Choice::name) == kBuildingUnits.end())
@@ -98,9 +103,15 @@ constexpr std::array kRowsOfBuildings{
     row<&Houses::height_field>("height_field", "Field with the building's height."),
     row<&Houses::default_height_m>("default_height_m", "m", above(0, 2000),
                                    "Height of buildings without one."),
+    row<&Houses::corners>(
+        "corners", kAny,
+        "Walls that stand square to the line of sight flash: they return together with the lit ground before "
+        "them. Of all buildings of the scene, prisms too, wherever it stands; [buildings] may have it "
+        "alone."),
 };
 
 void finish_buildings(SceneReading& scene, SectionReader& reader, Houses&) {
+  if (is_corners_alone(reader.table())) return;
   require(scene, reader, "source", std::string(kPath));
 }
 
@@ -168,22 +179,48 @@ void read_scheme(const FoundKey& found, SurfaceSpec& surface) {
 }
 
 std::string printed_surface_material(const SurfaceSpec& surface, const SceneConfig& config) {
-  return surface.scheme.empty() ? printed_material(surface, config) : "";
+  return surface.scheme.empty() && surface.paints ? printed_material(surface, config) : "";
+}
+
+// A file of decibels does not say whether -12 is a dark field or the gamma of grass.
+constexpr std::array kRasterMeanings{Choice{"offset"}, Choice{"gamma"}};
+
+void read_raster_meaning(const FoundKey& found, SurfaceSpec& surface) {
+  const std::string* const text = found.text();
+  if (text == nullptr || std::ranges::find(kRasterMeanings, *text, &Choice::name) == kRasterMeanings.end())
+    return found.refuse();
+  surface.raster_is_gamma = *text == kRasterMeanings[1].name;
+}
+
+std::string printed_raster_meaning(const SurfaceSpec& surface, const SceneConfig&) {
+  if (surface.gamma_raster.empty()) return "";
+  return toml_string(kRasterMeanings[surface.raster_is_gamma ? 1 : 0].name);
 }
 
 const std::array kSpecialOfSurfaces{
     special<SurfaceSpec>("source", "", kAny, kPath, "OGR polygons or a GDAL class raster.",
-                         read_path<&SurfaceSpec::source>, printed_text<&SurfaceSpec::source>, "required"),
+                         read_path<&SurfaceSpec::source>, printed_text<&SurfaceSpec::source>,
+                         "required without gamma_raster"),
     special<SurfaceSpec>("classes", "", kAny, "a list of whole numbers",
                          "For a class raster: the values of this material.", read_classes, printed_classes,
                          "[]"),
     special<SurfaceSpec>("material", "", kAny, kMaterial, "Material of the ground there.",
-                         read_material<SurfaceSpec>, printed_surface_material, "required"),
+                         read_material<SurfaceSpec>, printed_surface_material,
+                         "required without scheme or gamma_raster"),
     special<SurfaceSpec>(
         "scheme", "", kLandCoverSchemes, "",
         "For a class raster with a known legend, instead of classes and material: each class gets a "
         "material from clutter tables.",
         read_scheme, printed_text<&SurfaceSpec::scheme>),
+    special<SurfaceSpec>(
+        "gamma_raster", "", kAny, kPath,
+        "GDAL raster of decibels, one a pixel, of the ground that the source paints or, without a source, of "
+        "all ground; voids keep the material.",
+        read_path<&SurfaceSpec::gamma_raster>, printed_text<&SurfaceSpec::gamma_raster>, "none"),
+    special<SurfaceSpec>(
+        "gamma_raster_is", "", kRasterMeanings, "",
+        "offset: added to the material's cross section; gamma: in its place, constant gamma.",
+        read_raster_meaning, printed_raster_meaning, "\"offset\""),
     special<SurfaceSpec>("layer", "", kAny, "a text in quotes", "Layer of the source; empty: the first.",
                          read_text<&SurfaceSpec::layer>, printed_text<&SurfaceSpec::layer>, "\"\""),
     special<SurfaceSpec>("where", "", kAny, "a text in quotes", "OGR attribute filter; empty: every feature.",
@@ -191,11 +228,34 @@ const std::array kSpecialOfSurfaces{
 };
 
 void finish_surfaces(SceneReading& scene, SectionReader& reader, SurfaceSpec& surface) {
-  require(scene, reader, "source", std::string(kPath));
+  const ConfigNode& table = reader.table();
+  if (surface.gamma_raster.empty()) {
+    require(scene, reader, "source", std::string(kPath));
+    if (const ConfigNode* alone = table.find("gamma_raster_is"))
+      reader.complain(*alone, "gamma_raster_is", "nothing without gamma_raster");
+  } else if (surface.source.empty()) {
+    surface.paints = table.find("material") != nullptr;
+    for (const std::string_view of_source : {"classes", "scheme", "layer", "where"})
+      if (const ConfigNode* alone = table.find(of_source))
+        reader.complain(*alone, of_source, "nothing without source");
+    return;
+  }
   if (surface.scheme.empty()) require(scene, reader, "material", std::string(kMaterial));
 }
 
 }  // namespace
+
+void settle_corners(SceneReading& scene) {
+  WorldSpec& world = scene.config.world;
+  for (const Houses& houses : world.buildings) world.corners = world.corners || houses.corners;
+  std::erase_if(world.buildings, [](const Houses& houses) { return houses.source.empty(); });
+  for (Houses& houses : world.buildings) houses.corners = world.corners;
+  if (world.corners) lower_building_floor(scene);
+}
+
+std::string printed_corners(const SceneConfig& config) {
+  return config.world.corners && config.world.buildings.empty() ? "\n[buildings]\ncorners = true\n" : "";
+}
 
 const ListSection<BuildingSourceSpec> kBuildings{
     "buildings", {kRowsOfBuildings, kSpecialOfBuildings}, &WorldSpec::buildings, finish_buildings};

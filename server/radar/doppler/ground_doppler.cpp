@@ -11,8 +11,6 @@ namespace obliq {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;
-/// Beyond the cells of the ground in the beam.
-constexpr double kRowsBesideCells = 3;
 
 }  // namespace
 
@@ -60,13 +58,18 @@ double coherent_time_s(const RadarSettings& settings) {
   }
 }
 
+double aperture_s_a_m(const RadarSettings& settings, double across_m_s) {
+  if (!(across_m_s > 0)) return 0;
+  return wavelength_at(settings.frequency_ghz) / (2 * across_m_s * settings.doppler.resolution_m);
+}
+
 double cells_in_beam(const RadarSettings& settings, double beam_rad, double across_m_s) {
   return 2 * across_m_s * beam_rad * coherent_time_s(settings) / wavelength_at(settings.frequency_ghz);
 }
 
 double rows_a_beamwidth(const RadarSettings& settings, double beam_rad, double across_m_s) {
   if (!(coherent_time_s(settings) > 0)) return 0;
-  return cells_in_beam(settings, beam_rad, across_m_s) + kRowsBesideCells;
+  return cells_in_beam(settings, beam_rad, across_m_s) + settings.doppler.rows_beside_cells;
 }
 
 }  // namespace obliq

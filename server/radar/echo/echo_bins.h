@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/radar/bins.h"
 #include "server/radar/echo/bin_sums.h"
 #include "server/radar/echo/datum_surface.h"
+#include "server/radar/echo/foot_corner.h"
 #include "server/radar/echo/scatterer_sums.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
@@ -35,6 +37,7 @@ class EchoBins {
   static std::int64_t bytes(const RadarSettings& settings);
 
  private:
+  void add_corner(const SampleBatch& samples, std::size_t k);
   void add_speckle(std::size_t azimuth);
   void texture_samples(const SampleBatch& samples);
 
@@ -43,6 +46,7 @@ class EchoBins {
   const SpeckleField& speckle_;
   AzimuthRange range_;
   Surfaces surfaces_;
+  bool has_raster_gamma_;
   double range_constant_;  // K of radar_equation
   BinSums bins_;
   DatumSurface datum_;  // of labels
@@ -52,6 +56,7 @@ class EchoBins {
   EchoFactors factors_;
   std::unique_ptr<SeaPieces> pieces_;  // where the sea has a texture
   BinnedSamples placed_;
+  std::optional<FootCorner> foot_corner_;  // where corners are wanted
 };
 
 }  // namespace obliq

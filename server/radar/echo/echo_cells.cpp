@@ -15,6 +15,51 @@ namespace {
 constexpr int kAnEcho = 4;
 constexpr int kAPiece = 16;
 constexpr int kAScatterer = 8;
+
+/// A piece of ground of one plane in one range bin, by the middle of the bin that it begins in.
+struct SeaPiece {
+  bool is_sea;
+  std::uint32_t run, bin;
+  float distance_m;
+};
+struct TextureOfPieces {
+  const SeaTexture& texture;
+  const ScenePlan& plan;
+  const PlaceOfEchoes& where;
+  SeaPieces& pieces;
+};
+
+/// What the texture makes of n pieces' powers: 1 where they are no sea.
+template <class PieceOf>
+void texture_of(const TextureOfPieces& of, int n, float* tau, const PieceOf& piece_of) {
+  const BinGrid& bins = of.plan.bins();
+  const auto width_rad =
+      static_cast<float>(bins.azimuth_width_rad / sweep_columns_per_bin(of.plan.settings()));
+  int numbers[SeaPieces::kMost];
+  SeaPieces& pieces = of.pieces;
+  pieces.n = 0;
+  const auto take = [&] {
+    ask(kAPiece * pieces.n);
+    active_kernels().sea_texture(of.texture, pieces);
+    for (int k = 0; k < pieces.n; ++k) tau[numbers[k]] = pieces.tau[k];
+    pieces.n = 0;
+  };
+  for (int k = 0; k < n; ++k) {
+    tau[k] = 1;
+    const SeaPiece piece = piece_of(k);
+    if (!piece.is_sea) continue;
+    const auto range_m = static_cast<float>(bins.edge_m(piece.bin + 0.5));
+    numbers[pieces.n] = k;
+    pieces.x_m[pieces.n] = piece.distance_m * static_cast<float>(of.where.sin_bearing[piece.run]);
+    pieces.z_m[pieces.n] = piece.distance_m * static_cast<float>(of.where.cos_bearing[piece.run]);
+    pieces.along_m[pieces.n] =
+        static_cast<float>(bins.range_spacing_m) * (range_m / std::max(piece.distance_m, 1.0F));
+    pieces.across_m[pieces.n] = piece.distance_m * width_rad;
+    if (++pieces.n == SeaPieces::kMost) take();
+  }
+  if (pieces.n > 0) take();
+}
+
 }  // namespace
 
 EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
@@ -91,30 +136,14 @@ void EchoCells::add(GroundEchoes& echoes) {
 
 /// Multiplies echoes of the sea by the texture's mean over their pieces.
 void EchoCells::texture_sea(GroundEchoes& echoes) const {
-  const BinGrid& bins = plan_.bins();
-  const auto width_rad = static_cast<float>(bins.azimuth_width_rad / sweep_columns_per_bin(plan_.settings()));
-  std::uint32_t of[SeaPieces::kMost];
-  SeaPieces& pieces = *pieces_;
-  pieces.n = 0;
-  static_assert(kList <= SeaPieces::kMost);
+  float tau[kList];
+  texture_of({*texture_, plan_, where_, *pieces_}, echoes.n, tau, [&](int k) {
+    return SeaPiece{table_.sea->over_gamma[echoes.material[k]] > 0, echoes.at[k] % GroundEchoes::kRuns,
+                    echoes.at[k] / GroundEchoes::kRuns, echoes.distance_m[k]};
+  });
   for (int k = 0; k < echoes.n; ++k) {
-    if (!(table_.sea->over_gamma[echoes.material[k]] > 0)) continue;
-    const std::uint32_t run = echoes.at[k] % GroundEchoes::kRuns;
-    const auto piece = static_cast<std::size_t>(pieces.n++);
-    of[piece] = static_cast<std::uint32_t>(k);
-    const float distance_m = echoes.distance_m[k];
-    const auto range_m = static_cast<float>(bins.edge_m(echoes.at[k] / GroundEchoes::kRuns + 0.5));
-    pieces.x_m[piece] = distance_m * static_cast<float>(where_.sin_bearing[run]);
-    pieces.z_m[piece] = distance_m * static_cast<float>(where_.cos_bearing[run]);
-    pieces.along_m[piece] = static_cast<float>(bins.range_spacing_m) * (range_m / std::max(distance_m, 1.0F));
-    pieces.across_m[piece] = distance_m * width_rad;
-  }
-  if (pieces.n == 0) return;
-  ask(kAPiece * pieces.n);
-  active_kernels().sea_texture(*texture_, pieces);
-  for (std::size_t piece = 0; piece < static_cast<std::size_t>(pieces.n); ++piece) {
-    echoes.light[of[piece]] *= pieces.tau[piece];
-    echoes.sine[of[piece]] *= pieces.tau[piece];
+    echoes.light[k] *= tau[k];
+    echoes.sine[k] *= tau[k];
   }
 }
 
@@ -123,10 +152,19 @@ void EchoCells::add(const GroundStretches& stretches) {
   const StageProbe probe(Stage::bin);
   const double antenna_y_m = plan_.sector().antenna_m.y;
   ask(kAnEcho * stretches.n);
+  // As echoes, so that shares of materials fit their sum.
+  float tau[GroundStretches::kMost];
+  const auto half_bin_m = static_cast<float>(plan_.bins().range_spacing_m / 2);
+  if (texture_ != nullptr)
+    texture_of({*texture_, plan_, where_, *pieces_}, stretches.n, tau, [&](int k) {
+      return SeaPiece{table_.sea->over_gamma[stretches.material(k)] > 0, stretches.run(k), stretches.bin(k),
+                      stretches.from_m[k] + half_bin_m};
+    });
   for (int k = 0; k < stretches.n; ++k) {
     const std::uint32_t run = stretches.run(k);
-    const double power_w = static_cast<double>(stretches.light[k]) * table_.factor;
-    const double y_w = static_cast<double>(stretches.height[k]) * table_.factor + power_w * antenna_y_m;
+    const double factor = texture_ != nullptr ? table_.factor * static_cast<double>(tau[k]) : table_.factor;
+    const double power_w = static_cast<double>(stretches.light[k]) * factor;
+    const double y_w = static_cast<double>(stretches.height[k]) * factor + power_w * antenna_y_m;
     const double middle_m = static_cast<double>(stretches.from_m[k] + stretches.end_m[k]) / 2;
     bins_.labels().add(
         BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(stretches.bin(k))),
@@ -174,8 +212,8 @@ void EchoCells::add(int profile, const FacePower& echo) {
   if (surfaces_ == Surfaces::ground || !(echo.power > 0)) return;
   const std::uint32_t building = plan_.scene().world().buildings.building_of_face[echo.face];
   const FaceEcho whole{
-      echo.range_bin,        building, echo.face, echo.material, 0, echo.range_m / echo.power, 0,
-      echo.at_m / echo.power};
+      echo.range_bin,         building,   echo.face, echo.material, 0, echo.range_m / echo.power, 0,
+      echo.at_m / echo.power, echo.corner};
   put_face(profile, whole, table_.factor * echo.power,
            (whole.at_m.y - plan_.sector().antenna_m.y) / whole.range_m);
 }
@@ -206,7 +244,7 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
         datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
     const SpeckleField::OnFace scatterer =
-        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
+        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material, echo.corner);
     const glm::dvec3 from_antenna = scatterer.reference_m - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;

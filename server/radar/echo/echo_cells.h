@@ -25,6 +25,7 @@ struct FaceEcho {
   double range_m;
   double sec2_incidence;  ///< 1 / cos^2
   glm::dvec3 at_m;        ///< where on the face, for its cell
+  bool corner = false;    ///< FacePower's
 };
 
 /// Parts of such an echo, as far as they are known: the sum of their powers over EchoTable::factor, and of
@@ -36,6 +37,7 @@ struct FacePower {
   double power;
   double range_m;
   glm::dvec3 at_m;
+  bool corner = false;  ///< of the face with the ground at its foot: another scatterer
 
   void add(const FacePower& other) {
     power += other.power;

@@ -16,9 +16,8 @@ constexpr double kEdgeOn = 1e-6;
 }  // namespace
 
 ScatteringTable::ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
-                                 std::shared_ptr<const SeaTable> sea,
-                                 std::shared_ptr<const SeaTexture> texture)
-    : sea_(std::move(sea)), texture_(std::move(texture)) {
+                                 std::optional<CornerTable> corners, SeaOfFrame sea)
+    : corners_(std::move(corners)), sea_(std::move(sea)) {
   rows_.reserve(materials.size());
   for (const Material& material : materials) {
     const double slope2 = material.rms_slope * material.rms_slope;
@@ -62,7 +61,7 @@ double ScatteringTable::constant_gamma(std::size_t material) const {
 
 EchoTable ScatteringTable::echo_table() const {
   EchoTable table{};
-  table.sea = sea_.get();
+  table.sea = sea_.mean.get();
   for (std::size_t m = 0; m < rows_.size() && m < std::size(table.gamma); ++m) {
     const Row& row = rows_[m];
     if (row.model == ScatteringModel::flat_plate) continue;

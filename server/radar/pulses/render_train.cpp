@@ -9,6 +9,7 @@
 #include "server/radar/pulses/ground_pulses.h"
 #include "server/radar/pulses/target_pulses.h"
 #include "server/radar/receiver/receiver.h"
+#include "server/radar/visibility/coverage.h"
 #include "server/radar/wedge_sums.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/errors.h"
@@ -56,7 +57,7 @@ class TrainWork {
                  static_cast<std::uint64_t>(look.azimuths.first) + 1);
   }
 
-  std::optional<PulseTrain> run() {
+  std::optional<RenderedTrain> run() {
     reach_m_ = farthest_seen_m(*scene_, plan_.pose());
     // Aircraft are seen beyond the ground.
     const bool has_targets = options_.targets != nullptr && !options_.targets->targets.empty();
@@ -65,7 +66,13 @@ class TrainWork {
       if (!add(trip)) return std::nullopt;
     if (plan_.sum()->range_normalisation) normalise();
     if (options_.receiver != nullptr) options_.receiver->receive(train_);
-    return std::move(train_);
+    for (int azimuth = train_.azimuths.first; azimuth < train_.azimuths.first + train_.azimuths.count;
+         ++azimuth) {
+      const GroundArea area = ground_area(plan_, azimuth);
+      stats_.sector_area_m2 += area.sector_m2;
+      stats_.covered_area_m2 += area.covered_m2;
+    }
+    return RenderedTrain{std::move(train_), stats_};
   }
 
  private:
@@ -86,6 +93,7 @@ class TrainWork {
       const std::uint64_t key =
           trip.shift_m == 0 ? key_ : mix64(key_ ^ std::bit_cast<std::uint64_t>(trip.shift_m));
       ground.add(*rows, trip, key, train_);
+      stats_.add(rows->stats);
     }
     if (options.targets == nullptr) return true;
     TargetLook look = target_look(options);
@@ -113,6 +121,7 @@ class TrainWork {
   double reach_m_ = 0;  ///< of ground that is seen
   std::uint64_t key_ = 0;
   PulseTrain train_;
+  FrameStats stats_;
 };
 
 }  // namespace
@@ -133,8 +142,12 @@ double farthest_seen_m(const Scene& scene, const Pose& pose) {
   return std::isfinite(seen_m) ? std::min(loaded_m, seen_m) : loaded_m;
 }
 
-std::optional<PulseTrain> render_train(const std::shared_ptr<const Scene>& scene, const FramePlan& plan,
-                                       const TrainLook& look, const RenderOptions& options) {
+TrainLook train_of_frame(const RadarSettings& s) {
+  return {{0, s.azimuth_bins}, s.scan_mode == ScanMode::frame ? 0 : s.scan_rate_deg_s};
+}
+
+std::optional<RenderedTrain> render_train(const std::shared_ptr<const Scene>& scene, const FramePlan& plan,
+                                          const TrainLook& look, const RenderOptions& options) {
   return TrainWork(scene, plan, look, options).run();
 }
 

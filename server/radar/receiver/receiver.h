@@ -35,7 +35,8 @@ class Receiver {
   /// False: receive() has nothing to do.
   bool is_on() const { return is_on_; }
   std::uint64_t counter() const { return counter_; }
-  double noise_power_w() const { return noise_power_w_; }  ///< 0 without noise
+  /// In the middle of the swath; 0 without noise.
+  double noise_power_w() const { return noise_power_w_; }
   /// What I and Q are whole multiples of, in their unit; 0: nothing.
   double iq_step() const { return range2_m2_.empty() ? lsb_ : 0; }
 

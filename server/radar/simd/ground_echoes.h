@@ -13,6 +13,7 @@ struct GroundCut {
   RangeAxis axis;
   EchoTable echo;
   const std::uint8_t* material;  ///< [nz - 1][nx - 1] of the cells; null: all are 0
+  const float* raster_gamma;     ///< [nz - 1][nx - 1] of the cells; null: there is none
   int nx;
   /// Of the first eight runs and of the others: [n_range][8] share of a profile's light that buildings
   /// leave to the ground of a bin; null: all of it.

@@ -36,6 +36,23 @@ void doppler_turns(const DopplerTurns& to) {
   }
 }
 
+namespace {
+
+/// Pulses [begin, end) of a row whose phasor is z at the first; gains: of each, or null.
+OBLIQ_INLINE void add_pulses(const PulseSum& sum, int begin, int end, ComplexLanes z, ComplexLanes step,
+                             const float* gains) {
+  float* re = sum.out_re + static_cast<std::size_t>(begin) * sum.stride + sum.first;
+  float* im = sum.out_im + static_cast<std::size_t>(begin) * sum.stride + sum.first;
+  for (int k = begin; k < end; ++k, re += sum.stride, im += sum.stride) {
+    const ComplexLanes x = gains == nullptr ? z : ComplexLanes{z.re * gains[k], z.im * gains[k]};
+    store(re, load_floats(re) + x.re);
+    store(im, load_floats(im) + x.im);
+    z = times(z, step);
+  }
+}
+
+}  // namespace
+
 void pulse_sum(const PulseSum& sum) {
   for (int r = 0; r < sum.n_rows; ++r) {
     const double* const hz = sum.hz[r] + sum.first;
@@ -43,16 +60,12 @@ void pulse_sum(const PulseSum& sum) {
     const ComplexLanes step = phasors(hz, sum.step_s);
     const float* const gains = sum.gains[r];
     for (int begin = 0; begin < sum.n_pulses; begin += PulseSum::kRenewed) {
-      ComplexLanes z = times(v, phasors(hz, sum.start_s + begin * sum.step_s));
+      const ComplexLanes z = times(v, phasors(hz, sum.start_s + begin * sum.step_s));
       const int end = begin + PulseSum::kRenewed < sum.n_pulses ? begin + PulseSum::kRenewed : sum.n_pulses;
-      if (!sum.has_gain_a_pulse) z = {z.re * gains[0], z.im * gains[0]};
-      for (int k = begin; k < end; ++k) {
-        float* const re = sum.out_re + static_cast<std::size_t>(k) * sum.stride + sum.first;
-        float* const im = sum.out_im + static_cast<std::size_t>(k) * sum.stride + sum.first;
-        const float gain = sum.has_gain_a_pulse ? gains[k] : 1.0F;
-        store(re, load_floats(re) + z.re * gain);
-        store(im, load_floats(im) + z.im * gain);
-        z = times(z, step);
+      if (sum.has_gain_a_pulse) {
+        add_pulses(sum, begin, end, z, step, gains);
+      } else {
+        add_pulses(sum, begin, end, {z.re * gains[0], z.im * gains[0]}, step, nullptr);
       }
     }
   }

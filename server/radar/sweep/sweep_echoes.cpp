@@ -43,6 +43,7 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
   cut_ = {plan.bins(),
           cells.table(),
           world.surface_material.empty() ? nullptr : world.surface_material.data(),
+          world.raster_gamma.empty() ? nullptr : world.raster_gamma.data(),
           world.grid.nx,
           {nullptr, nullptr},
           {},

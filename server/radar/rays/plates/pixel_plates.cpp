@@ -24,6 +24,7 @@ PlateField field_of(const ScenePlan& plan) {
   const bool pitched = camera.kind == FrustumKind::symmetric;
   return {ground_view(world.grid, plan.sector().antenna_m),
           world.surface_material.empty() ? nullptr : world.surface_material.data(),
+          world.raster_gamma.empty() ? nullptr : world.raster_gamma.data(),
           plan.bins(),
           kReach_cells * world.grid.cell_m,
           kLook_cells,
