@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/radar/echo/sea_echo.h"
 #include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
 #include "server/radar/rays/ray_samples.h"
@@ -155,7 +156,7 @@ std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthR
 
 FrameTables::FrameTables(const ScenePlan& plan)
     : scattering(
-          plan.scene().materials(), plan.wavelength_m(),
+          plan.scene().materials(), plan.wavelength_m(), sea_table(plan),
           plan.scene().world().buildings.corners && plan.scene().world().buildings.walls
               ? std::optional(CornerTable(plan.scene().materials(), plan.settings().atmosphere.polarisation))
               : std::nullopt),

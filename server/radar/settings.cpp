@@ -66,7 +66,10 @@ RadarSettings sharp_settings(RadarSettings settings) {
   settings.beam = {};
   settings.pulse = {};
   settings.receiver = {};
-  settings.atmosphere = {};
+  // Polarisation and wind stay, by which the sea returns more or less; its texture is chance.
+  settings.atmosphere.rain_mm_h = 0;
+  settings.atmosphere.gas = false;
+  settings.sea.shape = 0;
   return settings;
 }
 

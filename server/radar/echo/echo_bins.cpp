@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "server/radar/echo/sea_echo.h"
 #include "server/radar/simd/cross_section.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
@@ -85,6 +86,9 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     const double dx = samples.x_m[k] - at_m.x;
     const double dz = samples.z_m[k] - at_m.z;
     double sine = samples.sin_elevation[k];
+    if (scattering_.sea() != nullptr && samples.face[k] == kNoFace &&
+        !(has_raster_gamma_ && samples.raster_gamma[k] < 0))
+      sigma *= sea_over_gamma(*scattering_.sea(), samples.material[k], dx, dz, r, sine);
     if (antenna.keeps_elevation()) {
       // That of the surface's middle: of a beam's width, which is 1 / cos(e), it has the mean straight below
       // as well.

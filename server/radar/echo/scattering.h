@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,11 +24,13 @@ namespace obliq {
 ///   flat plate         sigma = 4 pi tau(theta) area^2 / lambda^2, paper eq. (12) corrected
 class ScatteringTable {
  public:
-  /// corners: of walls with the ground before them; empty: they return nothing.
+  /// sea: what water returns over its gamma in the pipeline (sea_over_gamma); null: nothing more. corners: of
+  /// walls with the ground before them; empty: they return nothing.
   ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
-                  std::optional<CornerTable> corners = {});
+                  std::shared_ptr<const SeaTable> sea = nullptr, std::optional<CornerTable> corners = {});
 
-  /// sigma, square metres. projected_area_m2 = solid angle x slant range^2; cos_incidence in 0..1.
+  /// sigma, square metres; of sea without its state. projected_area_m2 = solid angle x slant range^2;
+  /// cos_incidence in 0..1.
   double cross_section_m2(std::uint8_t material, double projected_area_m2, double cos_incidence) const;
 
   std::size_t size() const { return rows_.size(); }
@@ -37,6 +40,7 @@ class ScatteringTable {
   EchoTable echo_table() const;
   /// Null: none are wanted.
   const CornerTable* corners() const { return corners_ ? &*corners_ : nullptr; }
+  const SeaTable* sea() const { return sea_.get(); }
 
  private:
   struct Row {
@@ -48,6 +52,7 @@ class ScatteringTable {
     double plate_exponent;
   };
   std::vector<Row> rows_;
+  std::shared_ptr<const SeaTable> sea_;
   std::optional<CornerTable> corners_;
 };
 
