@@ -113,6 +113,7 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
           projected_area_m2 * sea_gamma(sea_, frame_, antenna_m_,
                                         antenna_m_ + glm::dvec3(d_m * std::sin(line.bearing_rad), height_m,
                                                                 d_m * std::cos(line.bearing_rad)));
+    // Below 0 it takes the material's place.
     sigma_m2 =
         strip.raster_gamma < 0 ? -strip.raster_gamma * projected_area_m2 : strip.raster_gamma * sigma_m2;
     const double sine = height_m / r_m;
