@@ -29,6 +29,7 @@ constexpr std::size_t kMostTargets = 100 * std::size_t{wire::kMaxTargetRecords};
 constexpr int kMostAzimuths = 1 << 14;
 constexpr int kMostRanges = 1 << 24;
 constexpr int kMostPulses = 1 << 12;
+constexpr double kTrainsMayFollow = 0.99;
 constexpr std::uint8_t kNoMaterial = 255;
 
 Status bad(std::string text) { return Status::failure(Outcome::bad_stream, std::move(text)); }
@@ -322,6 +323,8 @@ void FrameAssembler::on_lost() {
 }
 
 double FrameAssembler::fraction() const {
+  if (planes_ & wire::kPulsesPlane && state_ == State::receiving && bins_received_ == bins_expected_)
+    return kTrainsMayFollow;  // how many is not known before the end
   return bins_expected_ == 0 ? 0 : static_cast<double>(bins_received_) / static_cast<double>(bins_expected_);
 }
 

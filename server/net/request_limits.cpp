@@ -23,6 +23,7 @@ FrameCost rendering_cost(const RadarSettings& settings, wire::PlaneSet planes, c
       settings.frustum == FrustumKind::sweep ? settings.range_bins : settings.pixel_rows;
   cost.pixels = settings.pixel_columns * rows;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
+  cost.samples = pulse_samples(settings);
   const RenderingSize size = rendering_size(settings, threads_of(options),
                                             (planes & wire::kLabelPlanes) != 0 ? options.materials : 0);
   cost.plan_taps = size.plan_taps;
@@ -35,7 +36,7 @@ std::int64_t plane_bytes(const RadarSettings& settings, wire::PlaneSet planes, c
   const std::int64_t of_bins =
       wire::bytes_per_bin(static_cast<wire::PlaneSet>(planes & wire::kBinPlanes)) * cost.bins;
   if ((planes & wire::kPulsesPlane) == 0) return of_bins;
-  return of_bins + wire::bytes_per_bin(wire::Plane::pulses) * pulse_samples(settings);
+  return of_bins + wire::bytes_per_bin(wire::Plane::pulses) * cost.samples;
 }
 
 std::string product(std::int64_t a, std::int64_t b) { return std::to_string(a) + " x " + std::to_string(b); }
@@ -49,6 +50,8 @@ OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string
 
 FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = rendering_cost(settings, planes, options);
+  // One train, whatever its antenna does.
+  if (cost.samples > 0) cost.samples = std::int64_t{settings.doppler.pulses} * settings.range_bins;
   cost.bytes +=
       std::min(plane_bytes(settings, planes, cost), 2 * static_cast<std::int64_t>(options.slice_bytes));
   return cost;
@@ -81,12 +84,15 @@ std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCo
     return exceeds("max_bins", options.max_bins, "the frame has " + std::to_string(cost.bins),
                    {"azimuth_bins x range_bins", product(settings.azimuth_bins, settings.range_bins),
                     "at most " + std::to_string(options.max_bins) + " bins in one frame"});
-  if (const std::int64_t samples = pulse_samples(settings); samples > options.max_bins)
+  if (cost.samples > options.max_bins) {
+    const std::int64_t trains = cost.samples / settings.doppler.pulses / settings.range_bins;
     return exceeds("max_bins", options.max_bins,
-                   "the frame's trains have " + std::to_string(samples) + " samples",
-                   {"doppler.pulses x range_bins x trains", std::to_string(samples) + " samples",
-                    "at most " + std::to_string(options.max_bins) +
-                        ": fewer pulses or range bins, or a longer scan.dwell_bins"});
+                   "the frame's trains have " + std::to_string(cost.samples) + " samples",
+                   {"doppler_pulses x range_bins x trains",
+                    product(settings.doppler.pulses, settings.range_bins) + " x " + std::to_string(trains),
+                    "at most " + std::to_string(options.max_bins) + ": fewer pulses or range bins" +
+                        (trains > 1 ? ", or a longer scan.dwell_bins" : "")});
+  }
   if (cost.pixels > options.max_pixels)
     return exceeds(
         "max_pixels", options.max_pixels, "the frame has " + std::to_string(cost.pixels),
@@ -111,6 +117,7 @@ std::optional<OverLimit> over_memory(const RadarSettings& settings, const FrameC
   if (static_cast<double>(have + need) > options.max_memory_mb) {
     std::string cure =
         "a smaller frame, more azimuth bins for as many pixels, fewer planes, or fewer requests at a time";
+    if (cost.samples > 0) cure += "; or fewer doppler.pulses";
     if (cost.plan_taps > 0) cure += "; or a beam of less beam.extent_deg";
     return exceeds("max_memory_mb", std::llround(options.max_memory_mb),
                    "the frame needs about " + std::to_string(need) + " MB beside " + std::to_string(have) +

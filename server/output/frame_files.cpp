@@ -34,13 +34,13 @@ void write_whole(const std::filesystem::path& path, const std::string& text) {
   check_written(path, file);
 }
 
-/// Writes a C-order [rows][columns] array as a NumPy .npy file, format version 1.0 (NEP 1), little-endian.
+/// Writes a C-order array as a NumPy .npy file, format version 1.0 (NEP 1), little-endian.
 /// `type` as numpy spells it. Throws InputError that names the file.
 template <class Value>
-void write_npy(const std::filesystem::path& path, const char* type, const std::vector<Value>& data, int rows,
-               int columns) {
+void write_npy(const std::filesystem::path& path, const char* type, const std::vector<Value>& data,
+               const std::vector<int>& shape) {
   std::string dictionary =
-      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, {}), }}", type, rows, columns);
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
   // Magic, version and length take 10 bytes; the header is padded so that data starts at a multiple of 64.
   while ((10 + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
   dictionary += '\n';
@@ -53,6 +53,13 @@ void write_npy(const std::filesystem::path& path, const char* type, const std::v
              static_cast<std::streamsize>(data.size() * sizeof data[0]));
   file.close();
   check_written(path, file);
+}
+
+/// Trains are alike.
+void write_pulses(const std::filesystem::path& path, const std::vector<PulseTrain>& trains) {
+  std::vector<std::complex<float>> all;
+  for (const PulseTrain& train : trains) all.insert(all.end(), train.iq.begin(), train.iq.end());
+  write_npy(path, "<c8", all, {static_cast<int>(trains.size()), trains[0].n_pulses, trains[0].n_range});
 }
 
 void make_folder(const std::filesystem::path& directory) {
@@ -117,7 +124,7 @@ bool is_of_every_frame(const std::string& plane) {
   return plane == "iq" || plane == "power" || plane == "count" || plane == "state";
 }
 
-std::string what_is_missing(const BinBlock& bins) {
+std::string what_is_missing(const BinBlock& bins, bool has_pulses) {
   std::vector<std::string> planes;
   std::vector<std::string> files;
   each_plane(bins, [&](const std::string& plane, const char* file, const char*, const auto& values) {
@@ -125,7 +132,7 @@ std::string what_is_missing(const BinBlock& bins) {
     planes.push_back(plane);
     files.emplace_back(file);
   });
-  if (planes.empty()) return {};
+  if (planes.empty() || (has_pulses && planes.size() == 4)) return {};
   std::string text = "the frame came without " + listed(planes);
   if (!can_be_drawn(bins)) {
     files.insert(files.end(), {"ground_map.png", "ground_map.tif"});
@@ -158,13 +165,11 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
   std::vector<std::string> planes;
   each_plane(bins, [&](const char* plane, const char* file, const char* type, const auto& values) {
     if (values.empty()) return files.leave_out(file);
-    files.add(file, [&](const auto& path) { write_npy(path, type, values, bins.n_azimuth, bins.n_range); });
+    files.add(file, [&](const auto& path) { write_npy(path, type, values, {bins.n_azimuth, bins.n_range}); });
     planes.emplace_back(plane);
   });
-  if (options.train != nullptr) {
-    const PulseTrain& train = *options.train;
-    files.add("pulses.npy",
-              [&](const auto& path) { write_npy(path, "<c8", train.iq, train.n_pulses, train.n_range); });
+  if (!options.trains.empty()) {
+    files.add("pulses.npy", [&](const auto& path) { write_pulses(path, options.trains); });
     planes.emplace_back("pulses");
   } else {
     files.leave_out("pulses.npy");
@@ -184,7 +189,7 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
   files.add("frame.json",
             [&](const auto& path) { write_whole(path, frame_json(descriptor, summary, planes)); });
   files.put_in_place();
-  written.missing = what_is_missing(bins);
+  written.missing = what_is_missing(bins, !options.trains.empty());
   return written;
 }
 

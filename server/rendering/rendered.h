@@ -8,6 +8,7 @@ namespace obliq::net {
 struct FrameCost {
   std::int64_t pixels = 0;
   std::int64_t bins = 0;
+  std::int64_t samples = 0;    ///< of trains of pulses
   std::int64_t plan_taps = 0;  ///< of the beam's plan
   std::int64_t bytes = 0;      ///< an estimate
 

@@ -37,6 +37,7 @@ World waves(test::Dice& dice) {
 PlateField field_over(const World& world, const glm::dvec3& antenna_m, const RangeAxis& axis) {
   return {ground_view(world.grid, antenna_m),
           nullptr,
+          nullptr,
           axis,
           64 * world.grid.cell_m,
           kLook_cells,

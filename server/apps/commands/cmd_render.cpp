@@ -149,10 +149,9 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   };
   render_wedges(*planned.plan, {0, radar.settings.azimuth_bins}, options);
   frame.stats = sum.total();
-  std::optional<RenderedTrain> train;
   if (radar.settings.mode == RadarMode::pulses) {
-    train = render_train(scene, *planned.plan, train_of_frame(radar.settings), options);
-    if (train) files.train = &train->train;
+    auto made = render_train(scene, *planned.plan, train_of_frame(radar.settings), options);
+    if (made) files.trains.push_back(std::move(made->train));
   }
   seconds["render_s"] = watch.lap();
   if (targets) say_on_terminal(targets_line(*planned.plan, *targets));

@@ -127,7 +127,7 @@ void show(const ReplayArguments& arguments, const client::RecordingStart& start,
       print_frame(recorded, start.utc_ns);
       if (files) {
         const BinBlock bins = take_bins(recorded.frame);
-        files->write(*recorded.frame.descriptor, *recorded.frame.summary, bins);
+        files->write(*recorded.frame.descriptor, *recorded.frame.summary, bins, take_trains(recorded.frame));
       }
       enough = arguments.frames != 0 && ++shown >= arguments.frames;
       if (arguments.frames == 0) ++shown;

@@ -151,7 +151,7 @@ void run(const WatchArguments& arguments) {
     client::AssembledFrame frame = frames.take();
     const BinBlock bins = take_bins(frame);
     if (picture) picture->write(*frame.descriptor, *frame.summary, bins, utc_text(frames.utc_ns()));
-    if (files) files->write(*frame.descriptor, *frame.summary, bins);
+    if (files) files->write(*frame.descriptor, *frame.summary, bins, take_trains(frame));
     ++seen;
   }
 }

@@ -89,8 +89,9 @@ NewestFiles::NewestFiles(std::string folder, const PictureOptions& picture)
 }
 
 void NewestFiles::write(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
-                        const BinBlock& bins) {
+                        const BinBlock& bins, std::vector<PulseTrain> trains) {
   FrameFileOptions options;
+  options.trains = std::move(trains);
   options.picture = picture_;
   options.picture.db_range = scale_.next(descriptor);
   const WrittenFrame written = write_frame_files(folder_, descriptor, summary, bins, options);
@@ -117,6 +118,19 @@ void NewestPicture::write(const wire::FrameDescriptor& descriptor, const wire::F
   replace_file(file_, [&](const std::filesystem::path& path) {
     scale_.drawn(write_ground_map_png(path, placed, summary, bins, picture_));
   });
+}
+
+std::vector<PulseTrain> take_trains(client::AssembledFrame& frame) {
+  std::vector<PulseTrain> trains;
+  for (client::AssembledTrain& train : frame.trains)
+    trains.push_back({{train.first_azimuth, train.n_azimuth},
+                      train.n_pulses,
+                      train.n_range,
+                      train.period_ns,
+                      train.boresight_start_deg,
+                      train.boresight_rate_deg_s,
+                      std::move(train.iq)});
+  return trains;
 }
 
 BinBlock take_bins(client::AssembledFrame& frame) {

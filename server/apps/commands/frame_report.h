@@ -44,8 +44,8 @@ class NewestFiles {
   /// Makes the folder. Throws InputError.
   NewestFiles(std::string folder, const PictureOptions& picture);
   /// Throws InputError.
-  void write(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
-             const BinBlock& bins);
+  void write(const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary, const BinBlock& bins,
+             std::vector<PulseTrain> trains);
 
  private:
   std::string folder_;
@@ -71,5 +71,7 @@ class NewestPicture {
 
 /// A received frame's planes as the file writer takes them; they are moved out of the frame.
 BinBlock take_bins(client::AssembledFrame& frame);
+/// Its trains of pulses, moved out of it.
+std::vector<PulseTrain> take_trains(client::AssembledFrame& frame);
 
 }  // namespace obliq

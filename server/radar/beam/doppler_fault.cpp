@@ -65,7 +65,9 @@ std::optional<FieldError> too_few_rows(const RadarSettings& s, const EchoLayout&
     const int pulses = whole(s.doppler.pulses * most_cells / cells);
     if (has_train && pulses >= 2) allowed.push_back("at most " + std::to_string(pulses) + " pulses");
     const double prf_hz = std::ceil(s.pulse.prf_hz * cells / most_cells);
-    if (prf_hz <= kMostPrf_hz) allowed.push_back(fmt::format("pulse.prf_hz = {:.6g}", prf_hz));
+    // The next pulse of a train waits for the last gate (check_doppler).
+    const bool waits = s.mode != RadarMode::pulses || prf_hz * 2 * s.r_max_m <= kSpeedOfLight_m_s;
+    if (prf_hz <= kMostPrf_hz && waits) allowed.push_back(fmt::format("pulse.prf_hz = {:.6g}", prf_hz));
   }
   if (allowed.empty()) allowed.emplace_back("more azimuth bins and a higher pulse.prf_hz");
   const std::string what =

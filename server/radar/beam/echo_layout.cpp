@@ -301,7 +301,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
                     2 * kFloat * layout.stride() + 2 * grown_bytes(s.range_bins, 2 * kFloat) + size.n_tiles +
                     13 * (size.n_taps + kWedgeAzimuthBins * layout.azimuth_parts) + 4 * grown_bytes(0, 0);
 
-  if (uses_doppler(s)) {
+  if (has_doppler_filter(s)) {
     // DopplerRows: Doppler, I&Q and powers of the rows in hand. DopplerPlan, polynomials of a canceller.
     constexpr std::int64_t kRowFloats = 8;
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
@@ -314,9 +314,10 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   }
 
   if (s.mode == RadarMode::pulses) {
-    // GroundPulses: a train's pulses in two floats, and rows with what moves in the wind.
-    constexpr std::int64_t kRowBytes = 2 * (sizeof(double) + 2 * kFloat);
-    size.plan_bytes += 2 * kFloat * row * s.doppler.pulses + size.n_taps * kRowBytes * layout.stride();
+    // GroundPulses: a train's pulses in two floats, and some rows with what moves of them in the wind.
+    constexpr std::int64_t kRowBytes = sizeof(double) + 2 * kFloat;
+    size.plan_bytes +=
+        2 * kFloat * row * s.doppler.pulses + 2 * std::int64_t{kPulseRows} * kRowBytes * layout.stride();
   }
 
   // An output wedge's, those of the next ones that are in hand, and lists of both.

@@ -85,6 +85,9 @@ int steepest_step(const EchoPlace& place, double range_m);
 /// Its cosine of elevation.
 double least_cosine(const EchoPlace& place, double range_m);
 
+/// So many rows of a train of pulses are added up at a time.
+constexpr int kPulseRows = 256;
+
 /// What a plan and the sums over it take at most, wherever the antenna is.
 struct EchoSize {
   RadarSettings sharp;           ///< of the largest sharp frame

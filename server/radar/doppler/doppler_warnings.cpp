@@ -20,6 +20,16 @@ std::vector<std::string> doppler_warnings(const RadarSettings& s, const SectorVe
   std::vector<std::string> warnings;
   const bool has_map = s.mode == RadarMode::dbs;
   if (!has_map && s.mode != RadarMode::pulses) return warnings;
+  if (!has_map && s.scan_mode != ScanMode::frame && s.scan_rate_deg_s > 0) {
+    const double dwell_s = s.scan_dwell_bins * s.sector_deg / s.azimuth_bins / s.scan_rate_deg_s;
+    if (const double long_s = coherent_time_s(s); long_s > dwell_s * (1 + 1e-9))
+      warnings.push_back(fmt::format(
+          "doppler.pulses = {}: a train takes {:.4g} ms and a dwell {:.4g} ms, so trains overlap and go on "
+          "beyond the sector's edges, where ground is looked at only as far as the beam's skirts reach; "
+          "{} pulses fit",
+          s.doppler.pulses, 1000 * long_s, 1000 * dwell_s,
+          std::max(1, static_cast<int>(s.doppler.pulses * dwell_s / long_s))));
+  }
   const double sector_rad = s.sector_deg * kDegree_rad;
   const double across_m_s = velocity.most_across_m_s(sector_rad);
   if (!(across_m_s > 0)) {

@@ -6,6 +6,7 @@
 
 #include "server/radar/beam/doppler_rows.h"
 #include "server/radar/beam/echo_sums.h"
+#include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
@@ -99,17 +100,37 @@ void GroundPulses::place_rows() {
 
 void GroundPulses::add(const EchoRows::Ready& rows, const PulseTrip& trip, std::uint64_t key,
                        PulseTrain& train) {
-  std::vector<Row> all;
-  all.reserve(rows.rows.size() * static_cast<std::size_t>(1 + speeds_));
-  for (std::size_t k = 0; k < rows.rows.size(); ++k)
-    take(*rows.rows[k], sum_.sharp_azimuth(window_.first_azimuth + static_cast<int>(k)), key, all);
-  const int parts = 1 + speeds_;
+  cut_by_eclipse(trip);
   std::ranges::fill(re_, 0.0F);
   std::ranges::fill(im_, 0.0F);
-  sum_rows(rows, trip, all, parts);
+  const int parts = 1 + speeds_;
+  const auto some = static_cast<std::size_t>(std::max(1, kPulseRows / parts));
+  for (std::size_t first = 0; first < rows.rows.size(); first += some) {
+    std::vector<Row> taken;
+    const std::size_t end = std::min(rows.rows.size(), first + some);
+    taken.reserve((end - first) * static_cast<std::size_t>(parts));
+    for (std::size_t k = first; k < end; ++k)
+      take(*rows.rows[k], sum_.sharp_azimuth(window_.first_azimuth + static_cast<int>(k)), key, taken);
+    sum_rows(rows, first, trip, taken, parts);
+  }
   if (!turns_a_s2_.empty()) turn_pulses(trip);
   for (const int like : trip.pulses)
     for (int pulse = like; pulse < times_.n(); pulse += times_.pattern()) sum_ranges(pulse, train);
+}
+
+/// Echoes of a later trip that come back while the antenna transmits: by the range at which they show. Those
+/// of the first trip are cut in the rows already (EchoPlan::amplitude).
+void GroundPulses::cut_by_eclipse(const PulseTrip& trip) {
+  eclipsed_.clear();
+  const RadarSettings& s = plan_.settings();
+  if (trip.shift_m == 0 || !s.pulse.eclipse || s.pulse.kind == PulseKind::off) return;
+  const PointResponse response(s);
+  for (std::size_t m = 0; m < stride_; ++m) {
+    const double shown_m =
+        sum_.sharp.r_min_m + (static_cast<double>(m) + 0.5) * sum_.sharp.range_bin_m() - trip.shift_m;
+    eclipsed_.push_back(static_cast<float>(std::max(0.0, response.left_by_eclipse(shown_m))));
+  }
+  ask(kBinWork * static_cast<std::int64_t>(stride_));
 }
 
 /// A row, and where woods may move in the wind another of what moves.
@@ -134,8 +155,9 @@ void GroundPulses::take(const SharpWedge& wedge, int azimuth, std::uint64_t key,
   row.re.resize(stride_);
   row.im.resize(stride_);
   for (std::size_t m = 0; m < stride_; ++m) {
-    row.re[m] = iq[2 * m];
-    row.im[m] = iq[2 * m + 1];
+    const float left = eclipsed_.empty() ? 1.0F : eclipsed_[m];
+    row.re[m] = iq[2 * m] * left;
+    row.im[m] = iq[2 * m + 1] * left;
   }
   ask(kBinWork * static_cast<std::int64_t>(stride_));
   if (doppler.windy().empty()) return;
@@ -186,13 +208,14 @@ void GroundPulses::add_moving(int azimuth, std::vector<float> power, int number,
   moving.re.resize(stride_);
   moving.im.resize(stride_);
   for (std::size_t m = 0; m < stride_; ++m) {
-    moving.re[m] = iq[2 * m];
-    moving.im[m] = iq[2 * m + 1];
+    const float left = eclipsed_.empty() ? 1.0F : eclipsed_[m];
+    moving.re[m] = iq[2 * m] * left;
+    moving.im[m] = iq[2 * m + 1] * left;
   }
 }
 
-void GroundPulses::sum_rows(const EchoRows::Ready& rows, const PulseTrip& trip, const std::vector<Row>& all,
-                            int parts) {
+void GroundPulses::sum_rows(const EchoRows::Ready& rows, std::size_t first_row, const PulseTrip& trip,
+                            const std::vector<Row>& all, int parts) {
   std::vector<const double*> hz;
   std::vector<const float*> re, im;
   for (const Row& row : all) {
@@ -204,12 +227,13 @@ void GroundPulses::sum_rows(const EchoRows::Ready& rows, const PulseTrip& trip, 
   std::vector<const float*> of_rows(all.size());
   std::vector<const float*> of_pulses(all.size());
   for (std::size_t tile = 0; tile < sum_.steepest.size(); ++tile) {
-    for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    for (std::size_t at = 0; at < all.size() / static_cast<std::size_t>(parts); ++at) {
+      const std::size_t k = first_row + at;
       const int azimuth = sum_.sharp_azimuth(window_.first_azimuth + static_cast<int>(k));
       const int step = std::min(rows.rows[k]->kernels_of(azimuth)[tile], sum_.steepest[tile]);
       const float* const of_row = gains(k, step);
       for (int part = 0; part < parts; ++part)
-        of_rows[k * static_cast<std::size_t>(parts) + static_cast<std::size_t>(part)] = of_row;
+        of_rows[at * static_cast<std::size_t>(parts) + static_cast<std::size_t>(part)] = of_row;
     }
     for (const int like : trip.pulses) {
       const int first = turns ? first_of_like_[static_cast<std::size_t>(like)] : 0;

@@ -40,7 +40,9 @@ class GroundPulses {
   void take(const SharpWedge& wedge, int azimuth, std::uint64_t key, std::vector<Row>& all);
   void add_moving(int azimuth, std::vector<float> power, int number, std::uint64_t key,
                   const std::vector<double>& hz, Row& moving) const;
-  void sum_rows(const EchoRows::Ready& rows, const PulseTrip& trip, const std::vector<Row>& all, int parts);
+  void cut_by_eclipse(const PulseTrip& trip);
+  void sum_rows(const EchoRows::Ready& rows, std::size_t first_row, const PulseTrip& trip,
+                const std::vector<Row>& all, int parts);
   /// Of a row at a cosine of elevation: one of each pulse in the order of like ones, or one for all.
   const float* gains(std::size_t row, int step);
   double level(int step);
@@ -66,6 +68,7 @@ class GroundPulses {
   std::vector<int> first_of_like_;         // where the gains of pulses like k begin
   std::vector<double> levels_;             // by step: what makes the squares of its gains add up to 1
   std::vector<std::vector<float>> gains_;  // [rows][steps], as they are needed
+  std::vector<float> eclipsed_;            // [stride] of voltages, what the transmission leaves; empty: all
   std::vector<float> re_, im_;             // [n_pulses][pad + stride + pad]
   std::vector<float> range_re_, range_im_;
 };

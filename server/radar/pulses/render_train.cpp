@@ -97,7 +97,7 @@ class TrainWork {
     }
     if (options.targets == nullptr) return true;
     TargetLook look = target_look(options);
-    look.moves = true;
+    look.moves_s = times_.length_s() / 2;
     const TargetEchoes targets(plan, air_view(plan.looks_at()), *options.targets, ground.azimuths(), look);
     add_target_pulses(plan, targets, times_, boresight_, trip, train_);
     return true;

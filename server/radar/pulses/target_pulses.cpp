@@ -22,12 +22,13 @@ constexpr int kGateWork = 10;
 class TargetPulses {
  public:
   TargetPulses(const FramePlan& plan, const TargetEchoes& targets, const PulseTimes& times,
-               const Boresight& boresight, PulseTrain& train)
+               const Boresight& boresight, const PulseTrip& trip, PulseTrain& train)
       : plan_(plan),
         s_(plan.settings()),
         targets_(targets),
         times_(times),
         boresight_(boresight),
+        shift_m_(trip.shift_m),
         train_(train),
         pattern_(s_),
         beam_(pattern_, 0, plan.sum()->row_rad()),
@@ -53,10 +54,12 @@ class TargetPulses {
     const glm::dvec3 way_m = path.at_m - plan_.sector().antenna_m;
     const glm::dvec3 moves_m_s = path.velocity_m_s + t_s * path.acceleration_m_s2;
     const double closing_m_s = -glm::dot(moves_m_s, way_m) / std::max(1.0, glm::length(way_m));
+    const bool is_cut = shift_m_ > 0 && s_.pulse.eclipse && s_.pulse.kind != PulseKind::off;
+    const double left = is_cut ? std::max(0.0, response_.left_by_eclipse(seen.range_m - shift_m_)) : 1;
     const double round_trips = 2 * seen.range_m / wavelength_m_;
     const SinCos phase = sincos_turns(-(round_trips - std::floor(round_trips)));
     const std::complex<double> voltage = targets_.drawn_in_pulse(echo, pulse) * std::sqrt(echo.power_w) *
-                                         gain * std::complex<double>(phase.cos, phase.sin);
+                                         gain * left * std::complex<double>(phase.cos, phase.sin);
     add_to_gates(pulse, seen.range_m - closing_m_s * coupling_s_, voltage);
   }
 
@@ -80,6 +83,7 @@ class TargetPulses {
   const TargetEchoes& targets_;
   const PulseTimes& times_;
   const Boresight& boresight_;
+  const double shift_m_;
   PulseTrain& train_;
   const AzimuthPattern pattern_;
   const BeamOnGround beam_;
@@ -93,7 +97,7 @@ class TargetPulses {
 
 void add_target_pulses(const FramePlan& plan, const TargetEchoes& targets, const PulseTimes& times,
                        const Boresight& boresight, const PulseTrip& trip, PulseTrain& train) {
-  const TargetPulses pulses(plan, targets, times, boresight, train);
+  const TargetPulses pulses(plan, targets, times, boresight, trip, train);
   for (const TargetEcho& echo : targets.echoes())
     for (const int like : trip.pulses)
       for (int pulse = like; pulse < times.n(); pulse += times.pattern()) pulses.add(echo, pulse);

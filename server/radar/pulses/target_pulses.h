@@ -12,7 +12,7 @@
 namespace obliq {
 
 /// To the gates of a train, in the pulses of a trip. Targets of Swerling's cases 2 and 4 are drawn anew in
-/// each pulse. targets: with their motion (TargetLook::moves), of the trip's plan.
+/// each pulse. targets: with their motion (TargetLook::moves_s), of the trip's plan.
 void add_target_pulses(const FramePlan& plan, const TargetEchoes& targets, const PulseTimes& times,
                        const Boresight& boresight, const PulseTrip& trip, PulseTrain& train);
 

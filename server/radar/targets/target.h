@@ -69,7 +69,7 @@ struct TargetLook {
   std::uint64_t frame = 0;  ///< names the draw (TargetDraw), as dwell does
   std::uint64_t dwell = 0;
   bool truth = false;  ///< where each of them is is wanted too
-  bool moves = false;  ///< and how they move
+  double moves_s = 0;  ///< and how they move, so long before and after; 0: not
 };
 
 }  // namespace obliq

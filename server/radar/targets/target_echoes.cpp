@@ -56,7 +56,7 @@ TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const Targ
       gain_(std::pow(10.0, settings_.gain_db / 10)),
       circle_bins_(kTurn_rad / plan.bins().azimuth_width_rad),
       wants_truth_(look.truth),
-      wants_paths_(look.moves) {
+      moves_s_(look.moves_s) {
   if (attenuates(settings_)) loss_db_km_ = path_loss_db_km(settings_, air);
   for (int m = 0; m < plan.bins().n_range && normalises_samples(settings_); ++m) {
     const double range_m = plan.bins().r_min_m + (m + 0.5) * plan.bins().range_spacing_m;
@@ -79,7 +79,10 @@ void TargetEchoes::see(const Target& target) {
   if (wants_truth_) note_truth(target, *age_s, *place, middle);
   const glm::dvec3 way_m = place->foot_m - antenna_m;
   const double ground_m = std::hypot(way_m.x, way_m.z);
-  const double around_m = target.size.length_m + target.size.width_m;
+  const TargetPath path = moves_s_ > 0 ? path_of(target, *age_s, *place) : TargetPath{};
+  double around_m = target.size.length_m + target.size.width_m;
+  if (moves_s_ > 0)
+    around_m += moves_s_ * glm::length(path.velocity_m_s - antenna_velocity_m_s(scene.world(), plan_.pose()));
   const double reach_m = response_.reach_bins(plan_.bins().range_spacing_m, settings_.pulse.extent_bins) *
                              plan_.bins().range_spacing_m +
                          around_m;
@@ -94,7 +97,6 @@ void TargetEchoes::see(const Target& target) {
 
   const double rcs_m2 = cross_section(target, *place);
   const double closing = doppler_ == nullptr ? 0 : closing_m_s(target, *age_s, *place);
-  const TargetPath path = wants_paths_ ? path_of(target, *age_s, *place) : TargetPath{};
   for (const Scatterer& scatterer : scatterers(target, *place))
     add_scatterer(target.id, scatterer, share * scatterer.part * rcs_m2, closing, path);
 }
@@ -286,7 +288,7 @@ void TargetEchoes::add_scatterer(std::uint64_t id, const Scatterer& scatterer, d
   const double round_trips = 2 * echo.range_m / wavelength_m_;
   echo.voltage = scatterer.drawn * phasor(std::sqrt(echo.power_w), -(round_trips - std::floor(round_trips)));
   respond(echo);
-  if (!echo.responses.empty()) echoes_.push_back(std::move(echo));
+  if (!echo.responses.empty() || moves_s_ > 0) echoes_.push_back(std::move(echo));
 }
 
 double TargetEchoes::bins_away(const TargetEcho& echo, double position) const {

@@ -51,7 +51,7 @@ struct TargetEcho {
   double doppler_hz = 0;              ///< of the radar's own motion and the target's
   double power_w = 0;                 ///< mean
   std::complex<double> voltage{0.0};  ///< sqrt(W), with the draw and the phase of the way
-  TargetPath path;                    ///< where it was asked for (TargetLook::moves)
+  TargetPath path;                    ///< where it was asked for (TargetLook::moves_s)
   std::complex<double> drawn{0.0};    ///< what the mean's voltage is multiplied by
   TargetScintillation scintillation;
 };
@@ -149,7 +149,7 @@ class TargetEchoes {
   double loss_db_km_ = 0;
   std::vector<double> range2_m2_;  ///< [n_range] of range normalisation; else empty
   const bool wants_truth_;
-  const bool wants_paths_;
+  const double moves_s_;
   std::vector<TargetEcho> echoes_;
   std::vector<TargetTruth> truth_;
 };
