@@ -189,7 +189,7 @@ void OpenSea(benchmark::State& state) {
   settings.frustum = FrustumKind::sweep;
   settings.sea.state = state.range(0) > 0 ? 3 : 0;
   settings.sea.shape = state.range(0) > 1 ? 1 : 0;
-  settings.atmosphere.wind_m_s = 8;
+  settings.atmosphere.wind_m_s = static_cast<double>(state.range(1));
   const auto plan =
       plan_frame(scene, test::snapshot(settings), test::pose_over_origin(scene->world(), 1000)).plan;
   for (auto _ : state) {
@@ -261,7 +261,11 @@ constexpr auto kNearest = static_cast<std::int64_t>(PlateKind::nearest);
 constexpr auto kMarch = static_cast<std::int64_t>(RayMethod::march);
 constexpr auto kEmbree = static_cast<std::int64_t>(RayMethod::embree);
 
-BENCHMARK(OpenSea)->ArgName("sea")->DenseRange(0, 2)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(OpenSea)
+    ->ArgNames({"sea", "wind"})
+    ->ArgsProduct({{0, 1, 2}, {0, 8}})
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(PlanFrame)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(RayGeneration)
     ->ArgName("frustum")

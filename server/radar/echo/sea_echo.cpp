@@ -26,11 +26,7 @@ void fill_gammas(const RadarSettings& s, SeaTable& table) {
     const double sigma0 =
         ratio_of_db(sea_sigma0_db(sea_state(s), within, s.frequency_ghz, s.atmosphere.polarisation));
     double gamma = sigma0 / sincos_turns(within / (2 * std::numbers::pi)).sin;
-    if (table.has_wind) {
-      const double z = upwind_exponent(grazing, s.frequency_ghz);
-      gamma /= bessel_i0(z);
-      table.upwind[k] = static_cast<float>(z);
-    }
+    if (table.upwind > 0) gamma /= bessel_i0(upwind_exponent(grazing, s.frequency_ghz));
     table.gamma[k] = static_cast<float>(gamma);
   }
 }
@@ -61,7 +57,13 @@ std::shared_ptr<const SeaTable> sea_table(const ScenePlan& plan) {
   table->curve_z = curve(0, kCurveStep_m);
   table->antenna_x_m = at.x;
   table->antenna_z_m = at.z;
-  table->has_wind = s.atmosphere.wind_m_s > 0;
+  if (s.atmosphere.wind_m_s > 0) {
+    // It falls in proportion to 1 - 2.8 grazing.
+    const double least = kLeastSeaGrazing_deg * kDegree_rad, most = kMostUpwindGrazing_deg * kDegree_rad;
+    table->upwind = static_cast<float>(upwind_exponent(least, s.frequency_ghz) / (1 - 2.8 * least));
+    table->least_upwind_sine = static_cast<float>(sincos_turns(least / (2 * std::numbers::pi)).sin);
+    table->most_upwind_sine = static_cast<float>(sincos_turns(most / (2 * std::numbers::pi)).sin);
+  }
   const double from_rad = s.atmosphere.wind_from_deg * kDegree_rad + plan.pose().north_rad;
   const SinCos from = sincos_turns(from_rad / (2 * std::numbers::pi));
   table->wind_sin = from.sin;
@@ -82,15 +84,15 @@ double sea_over_gamma(const SeaTable& table, std::uint8_t material, double dx_m,
   const std::int32_t bits = std::bit_cast<std::int32_t>(at);
   const std::int32_t k = (bits - SeaTable::kLeastBits) >> SeaTable::kRestBits;
   const double rest = (bits & ((1 << SeaTable::kRestBits) - 1)) * (1.0 / (1 << SeaTable::kRestBits));
-  const auto between = [&](const float* of) {
-    const auto low = static_cast<double>(of[k]);
-    return low + rest * (static_cast<double>(of[k + 1]) - low);
-  };
-  const double factor = over * between(table.gamma);
+  const auto low = static_cast<double>(table.gamma[k]);
+  const double factor = over * (low + rest * (static_cast<double>(table.gamma[k + 1]) - low));
   const double distance_m = std::sqrt(dx_m * dx_m + dz_m * dz_m);
-  if (!table.has_wind || !(distance_m > 0)) return factor;
+  if (!(table.upwind > 0) || !(distance_m > 0)) return factor;
+  const double s = std::clamp(static_cast<double>(at), static_cast<double>(table.least_upwind_sine),
+                              static_cast<double>(table.most_upwind_sine));
+  const double exponent = static_cast<double>(table.upwind) * (1 - 2.8 * (s + s * s * s / 6));
   const double against = (dx_m * table.wind_sin + dz_m * table.wind_cos) / distance_m;
-  return factor * ratio_of_db(between(table.upwind) * against / kNepersOfDecibel);
+  return factor * ratio_of_db(exponent * against / kNepersOfDecibel);
 }
 
 }  // namespace obliq

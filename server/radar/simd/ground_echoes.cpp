@@ -50,6 +50,7 @@ struct Parts {
   Floats<n> gain;  // width, and gamma where that is a constant
   Floats<n> material, plane_distance;
   Floats<n> raster_gamma;  // only with GroundCut::raster_gamma
+  Floats<n> over_gamma;    // only with a sea: SeaTable's, 0 of other ground
 };
 
 /// A cross section by area, as a gamma raster has it (World::raster_gamma).
@@ -69,18 +70,17 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
 }
 
 /// What water in the lanes in `seen` returns over what its material says; 1 of other ground. (d, h): a
-/// piece's middle; mean: of 1 / r^2.
+/// piece's middle; over_range: 1 over its range.
 template <int n>
 OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d,
-                                Floats<n> h, Floats<n> mean) {
-  const SeaTable& sea = *cut.echo.sea;
-  const Floats<n> over_gamma = gather(sea.over_gamma, truncated(parts.material));
-  // A raster of gamma in its place stands in the place of the sea as well.
-  const Where<n> water = seen & (over_gamma > 0.0F) & ~(parts.raster_gamma < 0.0F);
+                                Floats<n> h, Floats<n> over_range) {
+  const Where<n> water = seen & (parts.over_gamma > 0.0F);
   if (!any(water)) return all<n>(1.0F);
   const Floats<n> fall = d * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.sea_curve) * d) - h;
-  const Floats<n> sine = fall * sqrt(mean);
-  return select(water, over_gamma * sea_gamma(sea, sine, load_as<Floats<n>>(cut.against_wind)), all<n>(1.0F));
+  return select(
+      water,
+      parts.over_gamma * sea_gamma(*cut.echo.sea, fall * over_range, load_as<Floats<n>>(cut.against_wind)),
+      all<n>(1.0F));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
@@ -166,7 +166,8 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
         gain *= sigma;
       }
       if (cut.echo.sea != nullptr)
-        gain *= sea_gain<n>(cut, parts, in_swath, 0.5F * (d0 + d1), 0.5F * (h0 + h1), mean);
+        gain *=
+            sea_gain<n>(cut, parts, in_swath, 0.5F * (d0 + d1), 0.5F * (h0 + h1), 0.5F * (r0 + r1) * over2);
       Float sine{};
       // Labels have one text of both.
       const bool widths = kSines && (!Labels::kWanted || cut.echo.sines);
@@ -262,6 +263,12 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     };
     if (cut.material != nullptr) parts.material = of_both(cut.material);
     if (cut.raster_gamma != nullptr) parts.raster_gamma = of_both(cut.raster_gamma);
+    if (cut.echo.sea != nullptr) {
+      parts.over_gamma = gather(cut.echo.sea->over_gamma, truncated(parts.material));
+      // A raster of gamma in the material's place stands in the place of the sea as well.
+      if (cut.raster_gamma != nullptr)
+        parts.over_gamma = select(parts.raster_gamma < 0.0F, Float{}, parts.over_gamma);
+    }
     if (!cut.echo.any_lobes) {
       Float gamma = gather(cut.echo.gamma_f, truncated(parts.material));
       if (cut.raster_gamma != nullptr) gamma = as_raster_says(parts.raster_gamma, gamma);

@@ -19,9 +19,11 @@ struct SeaTable {
 
   float
       gamma[kSteps + 2];  ///< sigma0 / sin(grazing), linear; of wind from nowhere, or its mean over bearings
-  float upwind[kSteps + 2];  ///< its factor is exp(upwind cos(bearing against the wind))
-  float over_gamma[256];     ///< by material: 1 / its own gamma; 0: no sea
-  bool has_wind;
+  /// Its factor is exp(upwind (1 - 2.8 grazing) cos(bearing against the wind)), grazing as far as the model
+  /// goes (sea_clutter.h); 0 without wind.
+  float upwind;
+  float least_upwind_sine, most_upwind_sine;
+  float over_gamma[256];    ///< by material: 1 / its own gamma; 0: no sea
   double curve_x, curve_z;  ///< second derivatives of the datum's height, 1/m: 0 or less
   double antenna_x_m, antenna_z_m;
   double wind_sin, wind_cos;  ///< world bearing that the wind comes from
@@ -36,11 +38,11 @@ struct SeaTable {
 
 #if defined(OBLIQ_ISA)
 
-/// exp(x), |x| <= 1, to 3e-7: the Taylor series.
+/// exp(x), |x| <= 0.9, to 2e-6: the Taylor series.
 OBLIQ_LANES Lanes<T, n> exp_of_small(Lanes<T, n> x) {
-  constexpr float kOverFactorials[] = {1.0F / 40320, 1.0F / 5040, 1.0F / 720, 1.0F / 120, 1.0F / 24,
-                                       1.0F / 6,     0.5F,        1.0F,       1.0F};
-  Lanes<T, n> sum = Lanes<T, n>{} + 1.0F / 362880;
+  constexpr float kOverFactorials[] = {1.0F / 5040, 1.0F / 720, 1.0F / 120, 1.0F / 24,
+                                       1.0F / 6,    0.5F,       1.0F,       1.0F};
+  Lanes<T, n> sum = Lanes<T, n>{} + 1.0F / 40320;
   for (const float term : kOverFactorials) sum = sum * x + term;
   return sum;
 }
@@ -53,12 +55,14 @@ OBLIQ_LANES Lanes<T, n> sea_gamma(const SeaTable& table, Lanes<T, n> sine, Lanes
   const auto k = (bits - SeaTable::kLeastBits) >> SeaTable::kRestBits;
   const auto rest =
       converted<float>(bits & ((1 << SeaTable::kRestBits) - 1)) * (1.0F / (1 << SeaTable::kRestBits));
-  const auto between = [&](const float* of) __attribute__((always_inline)) {
-    const auto low = gather(of, k);
-    return low + rest * (gather(of + 1, k) - low);
-  };
-  const Lanes<T, n> gamma = between(table.gamma);
-  return table.has_wind ? gamma * exp_of_small(between(table.upwind) * against_wind) : gamma;
+  const auto low = gather(table.gamma, k);
+  const Lanes<T, n> gamma = low + rest * (gather(table.gamma + 1, k) - low);
+  if (!(table.upwind > 0)) return gamma;
+  // The angle of a sine below that of 10 degrees, to 1e-5.
+  const Lanes<T, n> s =
+      clamp(at, Lanes<T, n>{} + table.least_upwind_sine, Lanes<T, n>{} + table.most_upwind_sine);
+  const Lanes<T, n> grazing = s + s * s * s * (1.0F / 6);
+  return gamma * exp_of_small(table.upwind * (1.0F - 2.8F * grazing) * against_wind);
 }
 
 #endif

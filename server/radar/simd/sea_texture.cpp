@@ -23,9 +23,10 @@ OBLIQ_INLINE u32x16 byte_sum(u32x16 h) {
 /// Sum of eight random bytes less its mean, over its standard deviation: all but normal. Its excess kurtosis
 /// is that of eight uniform numbers, -1.2 / 8.
 constexpr float kExcess = -0.15F;
-OBLIQ_INLINE f32x16 at_node(u32x16 x, u32x16 z, std::uint32_t seed) {
-  const u32x16 first = mixed((x * 0x9e3779b1U) ^ (z * 0x85ebca77U + seed));
-  const u32x16 second = mixed(first + 0x7f4a7c15U);
+OBLIQ_INLINE f32x16 at_node(u32x16 place) {
+  const u32x16 first = mixed(place);
+  const u32x16 product = (first ^ (first >> 15)) * 0x2c1b3c6dU;
+  const u32x16 second = product ^ (product >> 12);
   constexpr float kOverDeviation = 1 / 209.02153F;  // sqrt(8 (256^2 - 1) / 12)
   const auto sum = OBLIQ_ISA::bits_as<std::int32_t>(byte_sum(first) + byte_sum(second));
   return (converted<float>(sum) - 1020.0F) * kOverDeviation;
@@ -45,12 +46,10 @@ OBLIQ_INLINE Along along(f32x16 at, std::int32_t node) {
 OBLIQ_INLINE f32x16 tau_at(const SeaTexture& texture, f32x16 x_m, f32x16 z_m) {
   const Along x = along(x_m * texture.nodes_per_m + texture.part_x, texture.node_x);
   const Along z = along(z_m * texture.nodes_per_m + texture.part_z, texture.node_z);
-  const u32x16 next_x = x.node + 1U, next_z = z.node + 1U;
-  const f32x16 sum =
-      (at_node(x.node, z.node, texture.seed) * x.low + at_node(next_x, z.node, texture.seed) * x.high) *
-          z.low +
-      (at_node(x.node, next_z, texture.seed) * x.low + at_node(next_x, next_z, texture.seed) * x.high) *
-          z.high;
+  constexpr std::uint32_t kOfX = 0x9e3779b1U, kOfZ = 0x85ebca77U;
+  const u32x16 x0 = x.node * kOfX, x1 = x0 + kOfX, z0 = z.node * kOfZ + texture.seed, z1 = z0 + kOfZ;
+  const f32x16 sum = (at_node(x0 ^ z0) * x.low + at_node(x1 ^ z0) * x.high) * z.low +
+                     (at_node(x0 ^ z1) * x.low + at_node(x1 ^ z1) * x.high) * z.high;
   const f32x16 xl2 = x.low * x.low, xh2 = x.high * x.high, zl2 = z.low * z.low, zh2 = z.high * z.high;
   const f32x16 variance = (xl2 + xh2) * (zl2 + zh2);
   const f32x16 fourth = (xl2 * xl2 + xh2 * xh2) * (zl2 * zl2 + zh2 * zh2);
@@ -66,9 +65,9 @@ OBLIQ_INLINE f32x16 tau_at(const SeaTexture& texture, f32x16 x_m, f32x16 z_m) {
   return low + (at - converted<float>(k)) * (gather(texture.tau + 1, k) - low);
 }
 
-/// Points that a length is cut into.
+/// Points that a length is cut into: at most 0.6 of the lattice's side apart, up to eight.
 OBLIQ_INLINE f32x16 points(f32x16 length_m, float nodes_per_m) {
-  const f32x16 wanted = clamp(length_m * (2 * nodes_per_m) + 0.999F, all_lanes(1.0F), all_lanes(8.0F));
+  const f32x16 wanted = clamp(length_m * (nodes_per_m / 0.6F) + 0.999F, all_lanes(1.0F), all_lanes(8.0F));
   return converted<float>(converted<std::int32_t>(wanted));
 }
 

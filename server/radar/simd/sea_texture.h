@@ -29,7 +29,7 @@ struct SeaPieces {
   float tau[kMost];  ///< out: its mean over each piece
 };
 
-/// By points half a side of the lattice apart, or eight each way in larger pieces.
+/// By points less than a side of the lattice apart, or eight each way in larger pieces.
 OBLIQ_KERNEL(void, sea_texture, const SeaTexture&, SeaPieces&);
 
 }  // namespace obliq
