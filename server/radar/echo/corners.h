@@ -41,7 +41,7 @@ struct FootSlope {
   double along = 0;
 };
 
-/// What corners return, by materials (PAPER.md, definitions). Immutable.
+/// What corners return, by materials (client/guide/model.md, "Corners of walls and ground"). Immutable.
 ///
 /// The wall mirrors the antenna; ground before it scatters the wave into the mirror's direction by geometric
 /// optics (Barrick 1968: sigma0 = |Rg|^2 pi (q / q_n)^4 p(slopes), p Gaussian, at the bistatic vector
