@@ -17,14 +17,21 @@ struct World {
   HeightGrid grid;
   /// surface_material[nz - 1][nx - 1], material of each ground cell; empty: all are material 0.
   std::vector<std::uint8_t> surface_material;
+  /// raster_gamma[nz - 1][nx - 1], what gamma rasters say of each ground cell; empty: nothing. Positive:
+  /// times its material's cross section, 1 where they say nothing. Negative: in place of that, a constant
+  /// gamma of its amount.
+  std::vector<float> raster_gamma;
   Buildings buildings;
   LoadReport report;
 
+  std::size_t cell_index(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.nx - 1) + static_cast<std::size_t>(i);
+  }
   std::uint8_t material_of_cell(int i, int j) const {
-    return surface_material.empty()
-               ? std::uint8_t{0}
-               : surface_material[static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.nx - 1) +
-                                  static_cast<std::size_t>(i)];
+    return surface_material.empty() ? std::uint8_t{0} : surface_material[cell_index(i, j)];
+  }
+  float raster_gamma_of_cell(int i, int j) const {
+    return raster_gamma.empty() ? 1.0F : raster_gamma[cell_index(i, j)];
   }
 };
 

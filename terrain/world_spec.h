@@ -85,6 +85,11 @@ struct SurfaceSpec {
   std::uint8_t material = 0;
   std::string scheme;  ///< class raster with a known legend, its name; empty: classes and material count
   std::vector<std::pair<int, std::uint8_t>> scheme_materials;  ///< of the legend's classes, by value
+  /// A GDAL raster of decibels; empty: none. Of the ground that `source` paints, or where that is empty of
+  /// all ground.
+  std::string gamma_raster;
+  bool raster_is_gamma = false;  ///< its values stand in place of the material's gamma; else they add to it
+  bool paints = true;            ///< cells get `material`; false, without a source: they keep their own
 };
 
 struct WorldSpec {

@@ -61,7 +61,7 @@ void add_buildings(CacheKey& key, std::vector<std::string>& files, const WorldSp
 
 void add_surfaces(CacheKey& key, std::vector<std::string>& files, const WorldSpec& spec) {
   for (const SurfaceSpec& surface : spec.surfaces) {
-    add_source(files, surface.source);
+    if (!surface.source.empty()) add_source(files, surface.source);
     key.add("surface", surface.layer);
     key.add("where", surface.where);
     key.add("material", surface.material);
@@ -71,6 +71,10 @@ void add_surfaces(CacheKey& key, std::vector<std::string>& files, const WorldSpe
       key.add("class", value);
       key.add("material", material);
     }
+    if (surface.gamma_raster.empty()) continue;
+    files.push_back(surface.gamma_raster);
+    key.add("gamma raster", surface.raster_is_gamma ? "gamma" : "offset");
+    key.add("paints", surface.paints ? 1.0 : 0.0);
   }
 }
 

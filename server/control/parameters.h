@@ -58,6 +58,16 @@ std::span<const Parameter> parameters();
 /// The parameter of that name, or null.
 const Parameter* find_parameter(std::string_view name);
 
+/// A second name that files, variables and flags may use of a parameter.
+struct KeyAlias {
+  std::string_view alias;
+  std::string_view name;
+};
+inline constexpr KeyAlias kKeyAliases[] = {{"radar.polarisation", "atmosphere.polarisation"}};
+
+/// What both names allow where they are given together with other values.
+inline constexpr std::string_view kOneOfTwoNames = "one of them: they are two names of one setting";
+
 /// The parameter's value in a configuration.
 Value value_of(const Parameter& parameter, RadarConfig config);
 

@@ -176,6 +176,7 @@ class Experiment {
     const auto power_of = [&](const RadarSettings& settings) { return power(loaded, settings); };
     result_.radar = radar_rows(input_.settings, air_view(loaded.own->looks_at()), power_of);
     const auto planned = plan(loaded, input_.settings);
+    append(result_.radar, sea_rows(*planned, air_view(loaded.own->looks_at())));
     append(result_.radar, doppler_rows(*planned));
     append(result_.radar, corner_rows(*planned));
     if (input_.targets)

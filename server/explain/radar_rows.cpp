@@ -102,7 +102,9 @@ std::vector<ReportRow> radar_rows(const RadarSettings& s, const AirView& air,
   RadarSettings plain = s;  // mean echoes of 1 W and 0 dB
   plain.mode = RadarMode::map;
   plain.receiver = {};
-  plain.atmosphere = {};
+  plain.atmosphere.rain_mm_h = 0;
+  plain.atmosphere.gas = false;
+  plain.sea.shape = 0;
   plain.speckle = SpeckleKind::ground;
   plain.range_normalisation = false;
   plain.power_w = 1;
@@ -129,7 +131,7 @@ std::vector<ReportRow> radar_rows(const RadarSettings& s, const AirView& air,
   const Thirds echo_db = echoes.median_db();
   RadarSettings noisy = s;
   noisy.receiver.noise = true;
-  const double noise_w = noise_power_w(noisy), noise_db = db_of_ratio(noise_w);
+  const double noise_w = noise_power_w(noisy, air), noise_db = db_of_ratio(noise_w);
   const double drowned = echoes.share_below(noise_db);
   const double touched = echoes.share_below(noise_db + kClearOfNoise_db);
   const double ratio_db = steady_snr_db(s.video.looks);
@@ -165,7 +167,7 @@ std::vector<ReportRow> radar_rows(const RadarSettings& s, const AirView& air,
       "fall_db"_is = fall_db, "rain"_is = rains ? "on" : "off, but if there were any",
       "rain_mm_h"_is = wet.atmosphere.rain_mm_h, "rain_db"_is = rain_db,
       "rain_to_echo"_is = thirds_text(rain_to_echo_db), "gas"_is = s.atmosphere.gas ? "on" : "off",
-      "gas_db"_is = gas_db, "floor_db"_is = video_floor_db(s), "span_db"_is = s.video.span_db,
+      "gas_db"_is = gas_db, "floor_db"_is = video_floor_db(s, air), "span_db"_is = s.video.span_db,
       "contrast"_is = 1 / std::sqrt(s.video.looks));
   for (ReportRow& row : rows_of(
            measured,

@@ -28,7 +28,7 @@ std::vector<ReportRow> target_rows(const FramePlan& plan, const AirView& air, co
   const TargetEchoes echoes(plan, air, targets, {0, s.azimuth_bins}, look);
   RadarSettings noisy = s;
   noisy.receiver.noise = true;
-  const double noise_w = noise_power_w(noisy);
+  const double noise_w = noise_power_w(noisy, air);
   std::vector<ReportRow> rows;
   for (const TargetTruth& truth : echoes.truth()) {
     if (rows.size() == kMostTold) break;

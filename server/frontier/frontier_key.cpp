@@ -18,6 +18,7 @@ std::uint64_t hash_list(std::uint64_t hash, const List& list) {
 std::uint64_t world_hash(const World& world, std::uint64_t hash) {
   hash = hash_list(hash, world.grid.y_m);
   hash = hash_list(hash, world.surface_material);
+  if (!world.raster_gamma.empty()) hash = hash_list(hash, world.raster_gamma);
   hash = hash_list(hash, world.buildings.ring_xz_m);
   for (const Building& building : world.buildings.list)
     hash = hash_list(hash, std::array{building.roof_y_m, building.base_y_m});

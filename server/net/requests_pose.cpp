@@ -9,6 +9,7 @@
 #include "server/net/requests.h"
 #include "server/net/rights.h"
 #include "server/net/room.h"
+#include "server/radar/beam/doppler_fault.h"
 #include "server/radar/frame_plan.h"
 
 namespace obliq::net {
@@ -24,6 +25,14 @@ std::vector<FieldError> pose_faults(const Room& room, const LiveRadar& radar, co
 }
 
 namespace {
+
+/// What a radar of synthetic aperture says to a pose by which there are no frames; empty: there are. How an
+/// antenna flies of which poses tell the time alone is known from the next one.
+std::string no_image(const LiveRadar& radar) {
+  if (!radar.pose.has_velocity() && radar.pose_has_sim_time) return {};
+  const auto fault = image_fault(radar.settings.current()->settings, radar.pose);
+  return fault ? "no frames by this pose: " + fault->text() : std::string();
+}
 
 NamedAngles angles_of(const wire::Pose& message) {
   return {message.has_bearing_deg(), message.has_heading_deg()};
@@ -114,14 +123,17 @@ void Requests::acknowledge_pose(std::span<LiveRadar* const> radars,
   wire::Ack ack;
   ack.set_request_id(id_);
   if (radars.size() == 1) ack.set_settings_version(radars.front()->settings.current()->version);
+  const auto warn = [&](const LiveRadar& radar, const std::string& text) {
+    if (!text.empty()) ack.add_warnings(radars.size() == 1 ? text : radar.name + ": " + text);
+  };
   for (LiveRadar* const radar : radars) {
-    if (!room_.options().ground_at) break;
+    warn(*radar, no_image(*radar));
+    if (!room_.options().ground_at) continue;
     const double r_max_m = radar->settings.current()->settings.r_max_m;
     const GroundThere ground = room_.options().ground_at(radar->pose, r_max_m);
     room_.radars().note_ground(*radar, ground.warning);
     ack.set_coverage(radar == radars.front() ? ground.coverage : std::min(ack.coverage(), ground.coverage));
-    if (!ground.warning.empty())
-      ack.add_warnings(radars.size() == 1 ? ground.warning : radar->name + ": " + ground.warning);
+    warn(*radar, ground.warning);
   }
   for (const std::string& warning : warnings) ack.add_warnings(warning);
   peer_.send(wire::MessageType::ack, ack);

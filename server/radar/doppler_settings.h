@@ -16,6 +16,8 @@ struct DopplerSettings {
   int canceller = 2;          ///< delays of the moving target indicator
   bool clutter_lock = false;  ///< its notch follows the ground in the beam's middle
   double resolution_m = 3;    ///< of an image of synthetic aperture, across range
+  /// Sharp rows that a beamwidth has beyond its Doppler cells. No key: fewer are wrong (doppler_rows_test).
+  double rows_beside_cells = 3;
 };
 
 }  // namespace obliq

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "server/radar/echo/sea_echo.h"
+#include "server/radar/echo/sea_texture.h"
+#include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
 #include "server/radar/rays/ray_samples.h"
 #include "server/radar/receiver/receiver.h"
@@ -157,7 +160,8 @@ FrameTables::FrameTables(const ScenePlan& plan)
           plan.scene().materials(), plan.wavelength_m(),
           plan.scene().world().buildings.corners && plan.scene().world().buildings.walls
               ? std::optional(CornerTable(plan.scene().materials(), plan.settings().atmosphere.polarisation))
-              : std::nullopt),
+              : std::nullopt,
+          {sea_table(plan), sea_texture(plan)}),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               {plan.bins(), 1 / plan.bins().azimuth_width_rad, plan.is_coherent_sum(),
@@ -172,8 +176,13 @@ FrameTables::FrameTables(const ScenePlan& plan)
 }
 
 AirView air_view(const ScenePlan& plan) {
+  double across_m_s = 0;
+  if (plan.settings().mode == RadarMode::sar) {
+    const glm::dvec3 v = antenna_velocity_m_s(plan.scene().world(), plan.pose());
+    across_m_s = std::abs(v.x * plan.sector().cos_bearing - v.z * plan.sector().sin_bearing);
+  }
   return {plan.scene().world().frame.geodetic_from_world(plan.pose().antenna).height_m,
-          plan.extent().median_height_m, plan.antenna_gain().tilt_rad()};
+          plan.extent().median_height_m, plan.antenna_gain().tilt_rad(), across_m_s};
 }
 
 std::uint64_t frame_draw(std::string_view radar, std::uint64_t counter) {

@@ -24,6 +24,7 @@ struct Sample {
   double z_m = 0;
   std::uint32_t face = kNoFace;  ///< building face, kNoFace on ground
   std::uint8_t material = 0;
+  float raster_gamma = 1;  ///< World::raster_gamma of the ground
 };
 
 /// Samples as arrays: nothing here or after it knows of pixels. Plain arrays, because the kernels (simd/)
@@ -40,6 +41,7 @@ struct SampleBatch {
   double z_m[kBatch];
   std::uint32_t face[kBatch];
   std::uint8_t material[kBatch];
+  float raster_gamma[kBatch];  ///< only where the scene has gamma rasters
 
   bool full() const { return n == kBatch; }
   /// Not when full.
@@ -55,6 +57,7 @@ struct SampleBatch {
     z_m[k] = sample.z_m;
     face[k] = sample.face;
     material[k] = sample.material;
+    raster_gamma[k] = sample.raster_gamma;
   }
 };
 

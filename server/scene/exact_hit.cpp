@@ -38,6 +38,7 @@ ExactHit ground_hit(const World& world, const GroundTriangle<double>& triangle, 
   hit.normal = glm::dvec3(-triangle.slope_x, 1, -triangle.slope_z) / steepness;
   hit.cos_incidence = std::min(1.0, std::abs(descent(triangle, direction)) / steepness);
   hit.material = world.material_of_cell(i, j);
+  hit.raster_gamma = world.raster_gamma_of_cell(i, j);
   return hit;
 }
 

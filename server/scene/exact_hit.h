@@ -18,6 +18,7 @@ struct ExactHit {
   glm::dvec3 normal{0.0};        ///< unit, towards the antenna
   std::uint32_t face = kNoFace;  ///< building face index; kNoFace on ground
   std::uint8_t material = 0;
+  float raster_gamma = 1;  ///< World::raster_gamma of the ground
 };
 
 /// Re-intersects a rough hit. origin and unit direction as the double ray; nothing when the rough hit is a

@@ -15,6 +15,10 @@ std::uint64_t bytes_of(const List& values) {
   return values.capacity() * sizeof values[0];
 }
 
+std::uint64_t surface_bytes(const World& world) {
+  return bytes_of(world.surface_material) + bytes_of(world.raster_gamma);
+}
+
 double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
 
 double ratio(std::uint64_t bytes, std::uint64_t count) {
@@ -38,9 +42,7 @@ std::uint64_t surface_triangles(const World& world) {
   return n;
 }
 
-std::uint64_t grid_bytes(const World& world) {
-  return bytes_of(world.grid.y_m) + bytes_of(world.surface_material);
-}
+std::uint64_t grid_bytes(const World& world) { return bytes_of(world.grid.y_m) + surface_bytes(world); }
 
 std::uint64_t building_bytes(const Buildings& b) {
   return bytes_of(b.list) + bytes_of(b.building_of_face) + bytes_of(b.ring_start) + bytes_of(b.ring_xz_m) +
@@ -51,7 +53,7 @@ SceneMemory scene_memory(const Scene& scene) {
   const World& world = scene.world();
   SceneMemory memory;
   memory.heights = bytes_of(world.grid.y_m);
-  memory.surfaces = bytes_of(world.surface_material);
+  memory.surfaces = surface_bytes(world);
   memory.buildings = building_bytes(world.buildings);
   memory.index = scene.tiles().bytes() + scene.fine_tiles().bytes() + scene.building_index().bytes() +
                  scene.circles().bytes();

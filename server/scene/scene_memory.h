@@ -9,7 +9,7 @@ namespace obliq {
 /// What a scene holds in memory, in bytes by kind.
 struct SceneMemory {
   std::uint64_t heights = 0;      ///< of the grid's posts
-  std::uint64_t surfaces = 0;     ///< materials of the ground's cells
+  std::uint64_t surfaces = 0;     ///< materials of the ground's cells, and what gamma rasters say of them
   std::uint64_t buildings = 0;    ///< outlines, their convex parts and faces
   std::uint64_t index = 0;        ///< bounds of the ground's tiles, buildings by block, their circles
   std::uint64_t tracer = 0;       ///< all of Embree's, and the buildings' triangles; 0 until rays are cast

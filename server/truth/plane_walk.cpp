@@ -8,12 +8,13 @@ namespace {
 
 /// Adds what the horizon leaves of a strip, then raises the horizon.
 void light(ExactHorizon& horizon, long double d0, long double h0, long double d1, long double h1,
-           double plane_distance_m, std::int32_t building, std::uint8_t material, std::vector<Strip>& out) {
+           double plane_distance_m, std::int32_t building, std::uint8_t material, std::vector<Strip>& out,
+           double raster_gamma = 1) {
   const ExactHorizon::Lit lit = horizon.lit(d0, h0, d1, h1);
   if (lit.from < lit.to)
     out.push_back({static_cast<double>(d0 + lit.from * (d1 - d0)),
                    static_cast<double>(h0 + lit.from * (h1 - h0)), static_cast<double>(d1),
-                   static_cast<double>(h1), plane_distance_m, building, material});
+                   static_cast<double>(h1), plane_distance_m, building, material, raster_gamma});
   horizon.raise(d0, h0);
   horizon.raise(d1, h1);
 }
@@ -136,6 +137,7 @@ PlaneWalk::GroundLine PlaneWalk::ground_between(long double from, long double to
   line.plane_distance_m = static_cast<double>(
       std::fabs(above) / std::sqrt(1 + (per_u * per_u + per_v * per_v) / (grid.cell_m * grid.cell_m)));
   line.material = world_.material_of_cell(i, j);
+  line.raster_gamma = static_cast<double>(world_.raster_gamma_of_cell(i, j));
   return line;
 }
 
@@ -212,7 +214,7 @@ void PlaneWalk::surface(long double from, long double to, const GroundLine& grou
   if (!top_known_) return;
   const auto bare = [&](long double a, long double b) {
     light(horizon_, a, ground.at(a), b, ground.at(b), ground.plane_distance_m, kGroundStrip, ground.material,
-          lit);
+          lit, ground.raster_gamma);
   };
   if (!highest) {
     bare(from, to);

@@ -38,6 +38,7 @@ class PlaneWalk {
     long double d0 = 0, h0 = 0, rise = 0;
     double plane_distance_m = 0;
     std::uint8_t material = 0;
+    double raster_gamma = 1;
     long double at(long double d) const { return h0 + rise * (d - d0); }
   };
   /// A building whose footprint the plane enters: index into crossed_, and the wall.

@@ -230,7 +230,7 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
 
   const SightedBuildings sighted(world.buildings, view, first_azimuth, n_azimuth);
   check_antenna(world, sighted, sighted.in_bin(first_azimuth), view.antenna_m);
-  const StripIntegral integral(materials, view, sampling.step_m);
+  const StripIntegral integral(world, materials, view, sampling.step_m);
   const CornerIntegral corners(world, materials, view, sampling.step_m / 4);
   std::vector<BinBuildings> by_bin(static_cast<std::size_t>(n_azimuth));
   share_out(n_azimuth, sampling.threads, progress, [&] {

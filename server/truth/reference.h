@@ -43,6 +43,7 @@
 #include <vector>
 
 #include "server/scene/materials.h"
+#include "server/truth/sea_truth.h"
 #include "terrain/base/parallel.h"
 #include "terrain/world.h"
 
@@ -66,6 +67,7 @@ struct ReferenceView {
   /// vertical and the world bearing. Empty: 1.
   std::function<double(double sin_elevation, double bearing_rad)> two_way_gain;
   bool keeps_facets = false;  ///< ReferenceBins::facets
+  SeaView sea;
 };
 
 struct ReferenceSampling {

@@ -4,6 +4,7 @@
 
 #include "server/radar/echo/scattering.h"
 #include "server/truth/reference.h"
+#include "server/truth/sea_truth.h"
 
 namespace obliq {
 
@@ -16,6 +17,7 @@ struct Strip {
   double plane_distance_m;  ///< D: the antenna's distance from the surface's plane in space
   std::int32_t building;    ///< kGroundStrip on ground
   std::uint8_t material;
+  double raster_gamma = 1;  ///< World::raster_gamma of the ground
 };
 
 /// The largest tangent of elevation met so far. Long double: at 40 km and grazing, a double's rounding of the
@@ -61,10 +63,11 @@ struct BinShare {
   double solid_angle_sr;
 };
 
-/// Integrates the radar equation over strips. Immutable; the view must outlive it.
+/// Integrates the radar equation over strips. Immutable; world and view must outlive it.
 class StripIntegral {
  public:
-  StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m);
+  StripIntegral(const World& world, const std::vector<Material>& materials, const ReferenceView& view,
+                double step_m);
 
   /// Appends one share for every range bin the strip lies in; twice when the range falls and rises again.
   /// bearing_rad: of the strip's plane; width_rad: azimuth that it stands for.
@@ -83,6 +86,10 @@ class StripIntegral {
   int n_range_;
   bool range_normalisation_;
   const std::function<double(double, double)>& two_way_gain_;
+  std::vector<bool> is_sea_;  // [material]
+  const WorldFrame& frame_;
+  const glm::dvec3 antenna_m_;
+  const SeaView sea_;
 };
 
 }  // namespace obliq

@@ -11,6 +11,7 @@
 
 #include "terrain/base/errors.h"
 #include "terrain/base/parallel.h"
+#include "terrain/buildings/gamma_raster.h"
 #include "terrain/buildings/placement.h"
 #include "terrain/dem/gdal_messages.h"
 #include "terrain/dem/geodetic_lattice.h"
@@ -89,7 +90,13 @@ void add_ring(const World& world, const std::vector<LonLat>& ring, RowCrossings&
   }
 }
 
-void paint_rows(World& world, RowCrossings& rows, std::uint8_t material) {
+/// What the cells that a surface paints have of gamma rasters: NaN until its own has been read, 1 without
+/// one.
+float painted_gamma(const SurfaceSpec& surface) {
+  return surface.gamma_raster.empty() ? 1.0F : std::numeric_limits<float>::quiet_NaN();
+}
+
+void paint_rows(World& world, RowCrossings& rows, const SurfaceSpec& surface) {
   const HeightGrid& grid = world.grid;
   const auto cell_after = [&](double x_m) {
     const double at = std::ceil((x_m - grid.x0_m) / grid.cell_m - 0.5);
@@ -98,9 +105,14 @@ void paint_rows(World& world, RowCrossings& rows, std::uint8_t material) {
   for (std::size_t j = 0; j < rows.size(); ++j) {
     std::vector<double>& x_m = rows[j];
     std::sort(x_m.begin(), x_m.end());
-    std::uint8_t* row = world.surface_material.data() + j * static_cast<std::size_t>(grid.nx - 1);
-    for (std::size_t k = 0; k + 1 < x_m.size(); k += 2)
-      std::fill(row + cell_after(x_m[k]), row + cell_after(x_m[k + 1]), material);
+    const std::size_t first = j * static_cast<std::size_t>(grid.nx - 1);
+    const auto paint = [&](auto* cells, std::size_t k, auto value) {
+      std::fill(cells + first + cell_after(x_m[k]), cells + first + cell_after(x_m[k + 1]), value);
+    };
+    for (std::size_t k = 0; k + 1 < x_m.size(); k += 2) {
+      paint(world.surface_material.data(), k, surface.material);
+      if (!world.raster_gamma.empty()) paint(world.raster_gamma.data(), k, painted_gamma(surface));
+    }
     x_m.clear();
   }
 }
@@ -134,7 +146,7 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
         continue;
       }
       for (const auto& ring : polygon.rings) add_ring(world, ring, rows);
-      paint_rows(world, rows, surface.material);
+      paint_rows(world, rows, surface);
     }
   });
   world.report.notes.insert(world.report.notes.end(), summary.notes.begin(), summary.notes.end());
@@ -156,15 +168,20 @@ void paint_surfaces(World& world, const WorldSpec& spec, const Progress& progres
   const HeightGrid& grid = world.grid;
   world.surface_material.resize(static_cast<std::size_t>(grid.nx - 1) * static_cast<std::size_t>(grid.nz - 1),
                                 0);
+  if (std::ranges::any_of(spec.surfaces, [](const SurfaceSpec& s) { return !s.gamma_raster.empty(); }))
+    world.raster_gamma.assign(world.surface_material.size(), 1.0F);
   const GeoWindow window = geo_window(world);
   for (std::size_t k = 0; k < spec.surfaces.size(); ++k) {
     if (progress) progress("surfaces", static_cast<double>(k) / static_cast<double>(spec.surfaces.size()));
     const SurfaceSpec& surface = spec.surfaces[k];
-    if (surface.classes.empty() && surface.scheme.empty()) {
+    if (surface.source.empty() && !surface.gamma_raster.empty()) {
+      // All ground that the raster knows.
+    } else if (surface.classes.empty() && surface.scheme.empty()) {
       paint_polygons(world, surface, window);
     } else {
       paint_classes(world, surface);
     }
+    if (!surface.gamma_raster.empty()) apply_gamma_raster(world, surface);
   }
   if (progress) progress("surfaces", 1);
 }
@@ -283,12 +300,15 @@ void paint_classes(World& world, const SurfaceSpec& surface) {
     if (rect.empty()) continue;
     const ClassWindow window = read_classes(raster, rect, legend);
     for_each_row(grid.nz - 1, [&](int j) {
-      std::uint8_t* materials =
-          world.surface_material.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.nx - 1);
+      const std::size_t first = world.cell_index(0, j);
       std::uint64_t none = 0;
       for_each_cell_place(grid, j, lattice, [&](int i, double column, double row) {
         const std::uint8_t code = window.at(column + turns * turn, row);
-        if (code >= kFirst) materials[i] = legend.material(code);
+        const std::size_t cell = first + static_cast<std::size_t>(i);
+        if (code >= kFirst) {
+          world.surface_material[cell] = legend.material(code);
+          if (!world.raster_gamma.empty()) world.raster_gamma[cell] = painted_gamma(surface);
+        }
         if (code == kNone && grid.cell_known(i, j)) ++none;
       });
       without += none;

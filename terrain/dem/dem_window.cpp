@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "terrain/base/stage_clock.h"
-#include "terrain/dem/gdal_messages.h"
 #include "terrain/dem/height_unit.h"
 #include "terrain/dem/raster.h"
+#include "terrain/dem/raster_values.h"
 
 namespace obliq {
 namespace {
@@ -22,92 +22,16 @@ constexpr double kHighestGround_m = 100000;  // 999999 and its like, also when r
 /// Turns one stored value into metres or a void.
 class Decoder {
  public:
-  Decoder(const Raster& raster, double metres_per_unit) : metres_(metres_per_unit) {
-    GDALRasterBand& band = raster.band();
-    int has = 0;
-    const double nodata = band.GetNoDataValue(&has);
-    if (has) nodata_ = nodata;
-    single_ = band.GetRasterDataType() == GDT_Float32;
-    const double scale = band.GetScale(&has);
-    if (has) scale_ = scale;
-    const double offset = band.GetOffset(&has);
-    if (has) offset_ = offset;
-    if (!std::isfinite(scale_) || scale_ == 0 || !std::isfinite(offset_))
-      raster.refuse(fmt::format("its band has a scale of {} and an offset of {}", scale_, offset_),
-                    "finite numbers and a scale other than 0");
-  }
+  Decoder(const Raster& raster, double metres_per_unit) : coding_(raster), metres_(metres_per_unit) {}
 
   double height_m(double stored) const {
-    if (!std::isfinite(stored) || stored == nodata_) return kVoid;
-    // A nodata tag is text, often with fewer digits than the float it means.
-    if (single_ && static_cast<float>(stored) == static_cast<float>(nodata_)) return kVoid;
-    const double height_m = (stored * scale_ + offset_) * metres_;
+    const double height_m = coding_.value(stored) * metres_;
     return height_m >= kLowestGround_m && height_m <= kHighestGround_m ? height_m : kVoid;
   }
 
  private:
+  ValueCoding coding_;
   double metres_;
-  double nodata_ = kVoid;
-  double scale_ = 1;
-  double offset_ = 0;
-  bool single_ = false;
-};
-
-/// GDAL's raw drivers read past the end of a short file as zeros, and take a short GridFloat file, whose
-/// header names no type, for one of bytes: compare the size with what it must hold.
-void require_whole_raw_file(const Raster& raster) {
-  GDALDataset* dataset = raster.band().GetDataset();
-  const char* driver = dataset->GetDriverName();
-  if (std::string(driver) != "EHdr" && std::string(driver) != "ENVI") return;
-  if (EQUAL(CPLGetExtension(raster.path().c_str()), "flt") &&
-      raster.band().GetRasterDataType() != GDT_Float32)
-    raster.refuse("it is truncated: a GridFloat file holds 4 bytes a post", "a whole file");
-  VSIStatBufL status;
-  if (VSIStatL(raster.path().c_str(), &status) != 0) return;
-  const double needed = static_cast<double>(raster.columns()) * raster.rows() * dataset->GetRasterCount() *
-                        GDALGetDataTypeSizeBits(raster.band().GetRasterDataType()) / 8;
-  if (static_cast<double>(status.st_size) < needed)
-    raster.refuse(
-        fmt::format("it is truncated: {} of {} bytes", status.st_size, static_cast<long long>(needed)),
-        "a whole file");
-}
-
-/// Reads whole rows of a window; a row is never returned unless GDAL read all of it.
-class StripReader {
- public:
-  StripReader(const Raster& raster, GDALRasterBand& band) : raster_(raster), band_(band) {
-    const int flags = band.GetMaskFlags();
-    if ((flags & (GMF_ALL_VALID | GMF_NODATA)) == 0) mask_ = band.GetMaskBand();
-  }
-
-  void read(const PixelRect& rect, std::vector<double>& stored) {
-    GdalMessages messages;
-    const std::size_t n = static_cast<std::size_t>(rect.columns()) * static_cast<std::size_t>(rect.rows());
-    stored.resize(n);
-    bool ok = io(band_, rect, stored.data(), GDT_Float64);
-    if (ok && mask_) {
-      valid_.resize(n);
-      ok = io(*mask_, rect, valid_.data(), GDT_Byte);
-      for (std::size_t i = 0; ok && i < n; ++i) {
-        if (valid_[i] == 0) stored[i] = kVoid;
-      }
-    }
-    if (!ok || !messages.failure().empty())
-      raster_.refuse(fmt::format("rows {} to {} cannot be read: {}", rect.row0, rect.row1 - 1,
-                                 messages.reason("the file is damaged or cut short")),
-                     "a whole, readable raster");
-  }
-
- private:
-  static bool io(GDALRasterBand& band, const PixelRect& r, void* to, GDALDataType type) {
-    return band.RasterIO(GF_Read, r.column0, r.row0, r.columns(), r.rows(), to, r.columns(), r.rows(), type,
-                         0, 0, nullptr) == CE_None;
-  }
-
-  const Raster& raster_;
-  GDALRasterBand& band_;
-  GDALRasterBand* mask_ = nullptr;
-  std::vector<unsigned char> valid_;
 };
 
 /// Blocks of step x step pixels that become one post each, counted from the rectangle's corner.
@@ -229,7 +153,7 @@ DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
   window.raster_rows = raster.rows();
   window.height_m.resize(static_cast<std::size_t>(window.nx) * static_cast<std::size_t>(window.nz));
 
-  StripReader reader(raster, *level.band);
+  PixelReader reader(raster, *level.band);
   std::vector<double> stored;
   const bool real = GDALDataTypeIsFloating(level.band->GetRasterDataType());
   std::size_t values = 0, fractions = 0;

@@ -62,6 +62,13 @@ void add(LatticePoint& sum, double weight, const LatticePoint& p) {
   }
 }
 
+/// Where the point of a plumb line at world y lies in a raster.
+glm::dvec2 place_at(const LatticePoint& p, double y_m) {
+  const double height_m = GeodeticLattice::kHigh_m * (y_m - p.y_m[0]) / (p.y_m[1] - p.y_m[0]);
+  const double share = layer_share(height_m);
+  return {p.column[0] + share * (p.column[1] - p.column[0]), p.row[0] + share * (p.row[1] - p.row[0])};
+}
+
 /// Heights of a cell's corners stand for its centre's; unknown ones count as 0, where nothing is seen anyway.
 double centre_y_m(const HeightGrid& grid, int i, int j) {
   double sum = 0;
@@ -159,15 +166,20 @@ LatticePoint LatticeRow::at(double x_m) const {
   return sum;
 }
 
+void node_places(const HeightGrid& grid, int j, int i0, int i1, const PostLattice& lattice, glm::dvec2* to) {
+  const LatticeRow row(lattice, grid.node_z_m(j));
+  for (int i = i0; i < i1; ++i) {
+    const double y_m = grid.node_known(i, j) ? grid.node_y_m(i, j) : 0;
+    *to++ = place_at(row.at(grid.node_x_m(i)), y_m);
+  }
+}
+
 void for_each_cell_place(const HeightGrid& grid, int j, const PostLattice& lattice,
                          const std::function<void(int i, double column, double row)>& at) {
   const LatticeRow row(lattice, grid.node_z_m(j) + grid.cell_m / 2);
   for (int i = 0; i < grid.nx - 1; ++i) {
-    const LatticePoint p = row.at(grid.node_x_m(i) + grid.cell_m / 2);
-    const double height_m =
-        GeodeticLattice::kHigh_m * (centre_y_m(grid, i, j) - p.y_m[0]) / (p.y_m[1] - p.y_m[0]);
-    const double share = layer_share(height_m);
-    at(i, p.column[0] + share * (p.column[1] - p.column[0]), p.row[0] + share * (p.row[1] - p.row[0]));
+    const glm::dvec2 place = place_at(row.at(grid.node_x_m(i) + grid.cell_m / 2), centre_y_m(grid, i, j));
+    at(i, place.x, place.y);
   }
 }
 

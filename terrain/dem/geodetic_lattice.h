@@ -1,6 +1,7 @@
 #pragma once
 // The exact map from world (x, z) and height to the earth, kept sparsely.
 #include <functional>
+#include <glm/vec2.hpp>
 #include <vector>
 
 #include "terrain/dem/raster.h"
@@ -72,6 +73,10 @@ class LatticeRow {
   double x0_m_;
   std::vector<LatticePoint> points_;
 };
+
+/// Where nodes [i0, i1) of one row of the grid lie in a raster's post coordinates: to[i1 - i0], columns and
+/// rows. Unknown nodes count as of height 0.
+void node_places(const HeightGrid& grid, int j, int i0, int i1, const PostLattice& lattice, glm::dvec2* to);
 
 /// Calls at(i, column, row) for the cells of one row of the grid: where the ground over the cell's centre
 /// lies in a raster's post coordinates.

@@ -126,7 +126,9 @@ void Raster::place(const std::optional<std::string>& crs) {
   if (const OGRSpatialReference* own = dataset_->GetSpatialRef(); own && !own->IsEmpty()) {
     system = *own;
   } else if (!crs) {
-    refuse("it carries no coordinate system", "a raster with one, or name it in [terrain] crs");
+    refuse("it carries no coordinate system", field_.starts_with("[terrain]")
+                                                  ? "a raster with one, or name it in [terrain] crs"
+                                                  : "a raster with one (gdal_edit.py -a_srs EPSG:CODE)");
   } else if (system.SetFromUserInput(crs->c_str(), kTextOnly) != OGRERR_NONE) {
     throw InputError(
         fmt::format("[terrain] crs: found \"{}\" ({}); allowed: any coordinate system that GDAL knows, such "

@@ -200,6 +200,18 @@ def frontier_of(scene, *more):
     return lambda programs, folder: [[programs / "obliq", "frontier", scene, *HILLS, "--quick", *more, "--repeats", "3", "--out", folder]]
 
 
+def rows_words(figures):
+    rows = []
+    for mode, name, cells in (("dbs", "dbs of 8 pulses", 1), ("mti", "mti, double canceller, clutter lock", 1)):
+        for beside in (1, 2, 3):
+            total, rms, worst, ms = (figures[f"{mode}_{beside}_{what}"][0] for what in ("total", "rms", "worst", "ms"))
+            rows.append([name if beside == 1 else "", f"B + {beside} = {cells + beside}", f"{100 * total:+.3f} %", f"{100 * rms:.2g} %",
+                         f"{100 * worst:.2g} %", f"{ms:.1f} ms"])
+    return ("`tests/figures/figures.py --measure doppler_rows` (`doppler_rows_test`): power of the bins of a sector from 30 degrees off the course to abeam, "
+            "150 m/s over low hills, a beam of 3 degrees with B = 1 Doppler cell in it, against 40 rows a beamwidth; root mean square and worst of lit bins; "
+            "processor time of a frame of 20 x 512 bins with one plane a row." + table(["mode", "rows a beamwidth", "total", "RMS", "worst bin", "processor time"], rows))
+
+
 PARTS = [
     Part("checks", "Against what shares no code", test_commands, recorded,
          lambda figures: "Each line is from tests, which ctest runs." + table(["what", "against", "result"], check_rows(figures)), quick=True),
@@ -208,6 +220,8 @@ PARTS = [
     Part("radar_hills", "Hills through a radar", frontier_of(PAPER, "--kinds", "sweep", "--truth-planes", "8"), frontier_figures, hills_words, quick=True),
     Part("radar_city", "A city through a radar", frontier_of("deploy/scenes/losangeles.toml", "--kinds", "sweep", "--azimuths", "16"), frontier_figures,
          city_words),
+    Part("doppler_rows", "Rows of a beam", lambda programs, folder: test_commands(programs, folder, [("doppler_rows_test", "*")]), recorded, rows_words,
+         quick=True),
 ]
 
 SHORT = {"short_checks": (["what", "against", "result", "measured"], lambda kept: [[*row, measured_at(kept["checks"])]

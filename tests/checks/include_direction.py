@@ -13,7 +13,7 @@ import tempfile
 # other way. Where a folder holds both what is below and what is above its rooms, files are named one by one:
 # the longest name that fits decides.
 BASE = ["terrain/base"]
-WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled",
+WORDS = ["server/radar/bins", "server/radar/pulse_train", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled",
     "server/radar/receiver_settings", "server/radar/doppler_settings"]
 R = "server/radar/"
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]

@@ -68,6 +68,9 @@ void expect_same(const SceneConfig& a, const SceneConfig& b) {
     EXPECT_EQ(a.world.surfaces[i].classes, b.world.surfaces[i].classes);
     EXPECT_EQ(a.world.surfaces[i].material, b.world.surfaces[i].material);
     EXPECT_EQ(a.world.surfaces[i].scheme_materials, b.world.surfaces[i].scheme_materials);
+    EXPECT_EQ(a.world.surfaces[i].gamma_raster, b.world.surfaces[i].gamma_raster);
+    EXPECT_EQ(a.world.surfaces[i].raster_is_gamma, b.world.surfaces[i].raster_is_gamma);
+    EXPECT_EQ(a.world.surfaces[i].paints, b.world.surfaces[i].paints);
   }
   ASSERT_EQ(a.materials.size(), b.materials.size());
   for (std::size_t i = 0; i < a.materials.size(); ++i) {
@@ -119,6 +122,13 @@ scheme = "nlcd"
 source = "lakes.shp"
 where = "kind = 'lake'"
 material = "water"
+gamma_raster = "lakes.tif"
+[[surfaces]]
+gamma_raster = "/data/fields.tif"
+gamma_raster_is = "gamma"
+[[surfaces]]
+gamma_raster = "roads.tif"
+material = "barren"
 [materials."odd name é"]
 model = "flat_plate"
 gamma_db = -17.3

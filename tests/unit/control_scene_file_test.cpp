@@ -128,6 +128,38 @@ TEST_F(SceneFile, FlagsBeatEnvironmentBeatFileBeatDefaults) {
   EXPECT_EQ(by_flag.radars[0].settings.r_max_m, 30000);  // the later flag wins
 }
 
+TEST_F(SceneFile, PolarisationHasTwoNames) {
+  const auto polarisation = [&](const std::string& text, const std::vector<std::string>& flags = {}) {
+    return read(std::string(kFlat) + text, flags).radars[0].settings.atmosphere.polarisation;
+  };
+  EXPECT_EQ(polarisation(""), Polarisation::horizontal);
+  EXPECT_EQ(polarisation("[radar]\npolarisation = \"vertical\"\n"), Polarisation::vertical);
+  EXPECT_EQ(polarisation("[atmosphere]\npolarisation = \"vertical\"\n"), Polarisation::vertical);
+  EXPECT_EQ(polarisation("[atmosphere]\npolarisation = \"vertical\"\n[radar]\npolarisation = \"vertical\"\n"),
+            Polarisation::vertical);
+  // A flag beats the file, whichever name it has; so does a variable.
+  const std::string file = "[atmosphere]\npolarisation = \"horizontal\"\n";
+  EXPECT_EQ(polarisation(file, {"radar.polarisation=vertical"}), Polarisation::vertical);
+  EXPECT_EQ(polarisation("[radar]\npolarisation = \"horizontal\"\n", {"atmosphere.polarisation=vertical"}),
+            Polarisation::vertical);
+  setenv("OBLIQ_RADAR_POLARISATION", "vertical", 1);
+  EXPECT_EQ(polarisation(file), Polarisation::vertical);
+  EXPECT_EQ(polarisation(file, {"atmosphere.polarisation=horizontal"}), Polarisation::horizontal);
+  unsetenv("OBLIQ_RADAR_POLARISATION");
+  const std::string both =
+      "radar.polarisation: found \"vertical\" beside atmosphere.polarisation = "
+      "\"horizontal\"; allowed: one of them";
+  EXPECT_SAYS(complaint(std::string(kFlat) + file + "[radar]\npolarisation = \"vertical\"\n"), both);
+  EXPECT_SAYS(complaint(std::string(kFlat) + "[[radar]]\npolarisation = \"vertical\"\n[radar.atmosphere]\n"
+                                             "polarisation = \"horizontal\"\n"),
+              both);
+  EXPECT_SAYS(
+      complaint(std::string(kFlat), {"radar.polarisation=vertical", "atmosphere.polarisation=horizontal"}),
+      "radar.polarisation: found vertical beside atmosphere.polarisation = horizontal; allowed: one of them");
+  EXPECT_SAYS(complaint(std::string(kFlat) + "[radar]\npolarisation = \"left\"\n"),
+              "radar.polarisation: found \"left\"; allowed: \"horizontal\" | \"vertical\"");
+}
+
 TEST_F(SceneFile, AFlagBeatsARadarsOwnTableAndCanNameOneRadar) {
   const std::string text =
       std::string(kFlat) + "[[radar]]\nname = \"a\"\nfrustum.pixels = 64\n[[radar]]\nname = \"b\"\n";
@@ -256,6 +288,30 @@ TEST_F(SceneFile, LandCoverSchemesHaveAMaterialForEveryClassButIceAndSnow) {
   EXPECT_SAYS(complaint(std::string(kFlat) +
                         "[[surfaces]]\nsource = \"c.tif\"\nscheme = \"nlcd\"\nmaterial = \"water\"\n"),
               "nothing beside scheme");
+}
+
+TEST_F(SceneFile, GammaRastersStandAloneOrBesideASource) {
+  const auto surface = [&](const std::string& keys) {
+    return read(std::string(kFlat) + "[[surfaces]]\n" + keys).world.surfaces.at(0);
+  };
+  EXPECT_TRUE(surface("gamma_raster = 'x.tif'\n").gamma_raster.ends_with("/x.tif"));
+  EXPECT_FALSE(surface("gamma_raster = 'x.tif'\n").raster_is_gamma);
+  EXPECT_FALSE(surface("gamma_raster = 'x.tif'\n").paints);
+  EXPECT_TRUE(surface("gamma_raster = 'x.tif'\ngamma_raster_is = 'gamma'\n").raster_is_gamma);
+  EXPECT_TRUE(surface("gamma_raster = 'x.tif'\nmaterial = 'grass'\n").paints);
+  EXPECT_TRUE(surface("source = 'a.shp'\nmaterial = 'grass'\ngamma_raster = 'x.tif'\n").paints);
+  const auto refused = [&](const std::string& keys) {
+    return complaint(std::string(kFlat) + "[[surfaces]]\n" + keys);
+  };
+  EXPECT_SAYS(refused("gamma_raster = 'x.tif'\ngamma_raster_is = 'linear'\n"),
+              "surfaces.gamma_raster_is: found \"linear\"; allowed: \"offset\" | \"gamma\"");
+  EXPECT_SAYS(refused("gamma_raster = 3\n"), "surfaces.gamma_raster: found 3; allowed: a path in quotes");
+  EXPECT_SAYS(refused("source = 'a.shp'\nmaterial = 'grass'\ngamma_raster_is = 'gamma'\n"),
+              "allowed: nothing without gamma_raster");
+  EXPECT_SAYS(refused("gamma_raster = 'x.tif'\nclasses = [3]\n"),
+              "surfaces.classes: found a list; allowed: nothing without source");
+  EXPECT_SAYS(refused("source = 'a.shp'\ngamma_raster = 'x.tif'\n"), "surfaces.material: found nothing");
+  EXPECT_SAYS(refused("material = 'grass'\n"), "surfaces.source: found nothing");
 }
 
 TEST_F(SceneFile, MaterialsAreOverriddenAddedAndNamed) {

@@ -157,6 +157,47 @@ BinBlock echoes(const RadarSettings& settings, std::complex<float> voltage) {
   return bins;
 }
 
+// An image's train has PRF lambda r / (2 v resolution) pulses abeam: 0.71 s, 710 pulses at 20 km, 3 m, 150
+// m/s, 9.4 GHz, 1 kHz. Hamming's weights lose 1.3444 dB (Harris 1978).
+TEST(Receiver, NoiseOfAnImageIsThatOfItsTrainsPulses) {
+  RadarSettings settings = radar_settings(FrustumKind::sweep, {10'000, 30'000, 4}, {64, 1000});
+  settings.receiver.noise = true;
+  const double map_w = noise_power_w(settings);
+  settings.mode = RadarMode::sar;
+  settings.frequency_ghz = 9.4;
+  settings.doppler.resolution_m = 3;
+  const AirView abeam{1000, 0, 0, 150};
+  const double loss = std::pow(10, 0.13444);
+  const auto pulses_at = [](double range_m) {
+    return 1000 * (299792458.0 / 9.4e9) * range_m / (2 * 150 * 3);
+  };
+  EXPECT_NEAR(pulses_at(20'000), 709, 1);
+  for (const double range_m : {10'000.0, 20'000.0, 30'000.0})
+    EXPECT_NEAR(noise_power_w(settings, abeam, range_m) / (map_w * loss / pulses_at(range_m)), 1, 1e-4);
+  // Half as fast, half the noise; twice the PRF, too; doppler.pulses has no part in it.
+  EXPECT_NEAR(noise_power_w(settings, {1000, 0, 0, 75}) / noise_power_w(settings, abeam), 0.5, 1e-9);
+  RadarSettings other = settings;
+  other.pulse.prf_hz = 2000;
+  other.doppler.pulses = 999;
+  EXPECT_NEAR(noise_power_w(other, abeam) / noise_power_w(settings, abeam), 0.5, 1e-9);
+  other.pulse.prf_hz = 1;  // not one pulse
+  EXPECT_EQ(noise_power_w(other, abeam, 20'000), map_w);
+  // And it is in the bins: 64 x 100 draws a tenth of the swath.
+  const Receiver receiver(settings, "main", 1, abeam);
+  EXPECT_EQ(receiver.noise_power_w(), noise_power_w(settings, abeam, 20'000));
+  EXPECT_EQ(receiver.video_scale().floor_db, std::floor(10 * std::log10(receiver.noise_power_w())));
+  BinBlock bins = silence(settings);
+  receiver.receive(bins, {});
+  for (const std::size_t first : {0u, 500u, 900u}) {
+    double sum = 0, expected = 0;
+    for (std::size_t k = first; k < first + 100; ++k) {
+      for (std::size_t a = 0; a < 64; ++a) sum += std::norm(std::complex<double>(bins.iq[a * 1000 + k]));
+      expected += 64 * map_w * loss / pulses_at(10'000 + 20.0 * (static_cast<double>(k) + 0.5));
+    }
+    EXPECT_NEAR(sum / expected, 1, 0.05) << first;  // four standard deviations
+  }
+}
+
 TEST(Receiver, SwitchedOffLeavesEveryBit) {
   RadarSettings settings = noisy();
   settings.receiver.noise = false;

@@ -92,6 +92,16 @@ TEST_F(WorldSum, TheHeightsOfScatteredPrismsCount) {
   EXPECT_NE(sum(), before);
 }
 
+TEST_F(WorldSum, GammaRastersCountByContentsAndMeaning) {
+  spec.surfaces.emplace_back().gamma_raster = folder.text("fields.tif", "decibels");
+  const std::string before = sum();
+  spec.surfaces[0].raster_is_gamma = true;
+  EXPECT_NE(sum(), before);
+  spec.surfaces[0].raster_is_gamma = false;
+  folder.text("fields.tif", "decibelz");
+  EXPECT_NE(sum(), before);
+}
+
 TEST_F(WorldSum, WhatIsLoadedOfTheWorldMakesNoOther) {
   const std::string before = sum();
   spec.reaches.push_back({{-99, 33.5}, 9000});

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <memory>
@@ -38,6 +39,25 @@ std::string sampling_text(const wire::RadarSettings& settings) {
       return text + " (" + std::string(preset.name) + ")";
   }
   return text;
+}
+
+/// "dbs, 64 pulses at 2000 Hz", "sar, 3 m"; empty: a map.
+std::string mode_text(const wire::RadarSettings& settings) {
+  std::string mode = wire::enum_word(wire::RadarMode_Name(settings.mode()));
+  mode.resize(std::min(mode.find("_mode"), mode.size()));
+  switch (settings.mode()) {
+    case wire::MTI_MODE:
+      return fmt::format("{}, {} delay{} at {:g} Hz{}", mode, settings.canceller(),
+                         settings.canceller() == 1 ? "" : "s", settings.prf_hz(),
+                         settings.clutter_lock() ? ", clutter lock" : "");
+    case wire::DBS_MODE:
+    case wire::PULSES_MODE:
+      return fmt::format("{}, {} pulses at {:g} Hz", mode, settings.doppler_pulses(), settings.prf_hz());
+    case wire::SAR_MODE:
+      return fmt::format("{}, {:g} m", mode, settings.resolution_m());
+    default:
+      return {};
+  }
 }
 
 void print_server(const client::Client& client, const wire::Status& status) {
@@ -98,6 +118,7 @@ void print_radar(const wire::RadarStatus& radar, const wire::RadarInfo& info) {
     for (const double tilt_deg : settings.scan_bars().tilt_deg()) std::printf(" %g", tilt_deg);
     std::printf(" degrees");
   }
+  if (const std::string mode = mode_text(settings); !mode.empty()) std::printf("\n  mode: %s", mode.c_str());
   std::printf("\n  sampling: %s\n", sampling_text(settings).c_str());
   if (radar.has_coverage())
     std::printf("  ground: under %.4g %% of the newest frame's sector%s%s\n", 100 * radar.coverage(),

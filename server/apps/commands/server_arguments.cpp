@@ -87,6 +87,29 @@ void set_parameter(const std::string& name, const ConfigNode& node, const FlagRu
     complaints.add(fmt::format("{}: found {}; allowed: {}", where, error->found, error->allowed));
 }
 
+/// The name of the table of parameters for what may be an alias.
+std::string table_name(const std::string& name) {
+  const auto* const found = std::ranges::find(kKeyAliases, name, &KeyAlias::alias);
+  return found == std::end(kKeyAliases) ? name : std::string(found->name);
+}
+
+/// Both names of a parameter with two values.
+void check_aliases(const std::vector<std::string>& flags, const std::string& where, Complaints& complaints) {
+  const auto text_of = [&](std::string_view key) {
+    const auto found = std::ranges::find_if(
+        flags, [&](const std::string& flag) { return flag.starts_with(std::string(key) + "="); });
+    return found == flags.end() ? std::string() : found->substr(key.size() + 1);
+  };
+  for (const KeyAlias& each : kKeyAliases) {
+    const std::string here = text_of(each.alias);
+    const std::string there = text_of(each.name);
+    if (!here.empty() && !there.empty() && here != there)
+      complaints.add(where,
+                     {std::string(each.alias), here + " beside " + std::string(each.name) + " = " + there,
+                      std::string(kOneOfTwoNames)});
+  }
+}
+
 /// The first line that is neither empty nor a comment.
 std::string read_token(const std::string& path) {
   refuse_endless_file("--token-file: " + path, path);
@@ -241,6 +264,7 @@ void write_named(const std::vector<std::string>& flags, const PoseSettings& pose
 void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar, const FlagRules& rules) {
   Complaints complaints;
   const bool follows = radar.pose.heading_deg == radar.pose.bearing_deg;
+  check_aliases(flags, rules.where, complaints);
   std::vector<std::string> ordered = flags;
   std::stable_partition(ordered.begin(), ordered.end(), [](const std::string& flag) {
     return flag.starts_with("frustum.quality=");  // first: a key of its own beats it
@@ -257,7 +281,7 @@ void apply_radar_flags(const std::vector<std::string>& flags, RadarConfig& radar
                      "\"; allowed: KEY=VALUE, such as radar.r_max_m=37000");
       continue;
     }
-    const std::string name = flag.substr(0, equals);
+    const std::string name = table_name(flag.substr(0, equals));
     const ConfigNode node =
         parse_config_value(std::string_view(flag).substr(equals + 1), rules.where + " " + name);
     const auto set = [&](const std::string& key, const ConfigNode& value) {

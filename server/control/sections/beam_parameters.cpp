@@ -88,16 +88,18 @@ const std::array kParameters{
         "Cut the echo of what is nearer than half a pulse: the antenna still transmits."),
     row<&RadarSettings::pulse, &PulseSettings::prf_hz>(
         "pulse.prf_hz", "Hz", closed(1, 1e6), "prf_hz", {339, i32, 1e2},
-        "Pulses a second, of the modes mti, dbs and pulses; a radial speed of wavelength x PRF / 2 is blind.",
-        {.knob = "PRF", .modes = "mti dbs pulses"}),
+        "Pulses a second, of the modes mti, dbs and pulses, and of the noise of sar; a radial speed of "
+        "wavelength x PRF / 2 is blind.",
+        {.knob = "PRF", .modes = "mti dbs sar pulses"}),
     row<&RadarSettings::pulse, &PulseSettings::stagger>(
         "pulse.stagger", "", closed(0.5, 2), "pulse_stagger", {},
         "Of pulse trains: intervals between pulses over 1 / prf_hz, one after the other, round and round; "
         "empty: all alike."),
     row<&RadarSettings::doppler, &DopplerSettings::pulses>(
         "doppler.pulses", "", closed(2, 1024), "doppler_pulses", {341, u16},
-        "Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows.",
-        {.knob = "pulses", .modes = "dbs"}),
+        "Pulses that a map sharpened by Doppler (dbs) adds up, so that beams become as narrow as their time "
+        "allows; of a train (pulses).",
+        {.knob = "pulses", .modes = "dbs pulses"}),
     row<&RadarSettings::doppler, &DopplerSettings::window>(
         "doppler.window", "", kDopplerWindows, "doppler_window", {342, u16},
         "Weights of these pulses, and of a synthetic aperture: wider beams, lower sidelobes.",

@@ -53,6 +53,13 @@ Material growing(const char* name, double gamma_db) {
   return material;
 }
 
+/// Returns as the sea does where there is a sea state.
+Material water() {
+  Material material = diffuse("water", kSeaState3_db);
+  material.model = ScatteringModel::sea;
+  return material;
+}
+
 /// Highly specular, as the paper has its buildings, over a floor of what towns return on average.
 Material building() {
   Material material;
@@ -96,10 +103,12 @@ const std::array kSpecial{
         read_permittivity, printed_permittivity, "[6.0, 0.6]"),
 };
 
-constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"}};
+constexpr std::array kModels{Choice{"constant_gamma"}, Choice{"geometric_optics"}, Choice{"flat_plate"},
+                             Choice{"sea"}};
 
 constexpr std::array kRows{
-    row<&MaterialKeys::material, &Material::model>("model", kModels, "Scattering model."),
+    row<&MaterialKeys::material, &Material::model>(
+        "model", kModels, "Scattering model; \"sea\" has constant gamma where sea.state is 0."),
     row<&MaterialKeys::gamma_db>(
         "gamma_db", "dB", closed(-200, 60),
         "Constant gamma; with geometric optics the floor away from the specular direction."),
@@ -124,7 +133,7 @@ std::span<const SpecialKey<MaterialKeys>> material_special_keys() { return kSpec
 
 std::vector<Material> shipped_materials() {
   return {diffuse("terrain", kFarmland_db),   building(),
-          diffuse("ground", kFarmland_db),    diffuse("water", kSeaState3_db),
+          diffuse("ground", kFarmland_db),    water(),
           diffuse("urban", kMetropolitan_db), growing("forest", kWoods_db),
           diffuse("suburb", kSuburb_db),      growing("shrubs", kBushes_db),
           growing("grass", kGrass_db),        growing("marsh", kMarsh_db),

@@ -39,6 +39,9 @@ Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std
 inline constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},
                                               Choice{"ellipsoid", "ELLIPSOID"}};
 
+inline constexpr std::array kPolarisations{Choice{"horizontal", "HORIZONTAL"},
+                                           Choice{"vertical", "VERTICAL"}};
+
 /// The rows of [beam] and [pulse].
 std::span<const Parameter> beam_parameters();
 /// The rows of [receiver], [video] and [atmosphere].

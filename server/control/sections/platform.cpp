@@ -81,4 +81,12 @@ std::string printed_platforms(const SceneConfig& config) {
   return text;
 }
 
+void note_empty_platforms(SceneConfig& config) {
+  for (const auto& platform : config.platforms)
+    if (std::ranges::none_of(config.radars, [&](const RadarConfig& r) { return r.platform == platform; }))
+      config.notes.push_back(
+          "[[platform]] " + toml_string(platform->name) +
+          " carries no radar, and is left out: radar.platform names what a radar rides on");
+}
+
 }  // namespace obliq

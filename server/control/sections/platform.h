@@ -26,4 +26,7 @@ std::string printed_platforms(const SceneConfig& config);
 /// A name of a radar or a platform: key is "radar.name" or "platform.name".
 void read_name(SectionReader& reader, std::string_view key, std::string& name);
 
+/// Says which platforms carry nothing: a server does not have them.
+void note_empty_platforms(SceneConfig& config);
+
 }  // namespace obliq

@@ -9,7 +9,9 @@
 #include "server/control/planes_per_bin.h"
 #include "server/control/quality_presets.h"
 #include "server/control/radar_presets.h"
+#include "server/control/sections/parameter_row.h"
 #include "server/control/sections/platform.h"
+#include "server/control/sections/radar_aliases.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 #include "server/radar/beam/pattern_cuts.h"
@@ -28,6 +30,9 @@ const std::array kShortForms{
     special<RadarConfig>("radar.platform", "", kAny, "the name of a [[platform]]",
                          "What the radar rides on, by [mount]: its place and motion are the platform's.",
                          nullptr, nullptr, "\"\"", Change::restart),
+    special<RadarConfig>("radar.polarisation", "", kPolarisations, "",
+                         "Another name of atmosphere.polarisation.", nullptr, nullptr, "\"horizontal\"",
+                         Change::live),
     special<RadarConfig>("frustum.quality", "", quality_choices(), "",
                          "Sets kind, plates, planes_per_bin or pixel_columns, and pixel_rows; the default "
                          "where [frustum] is empty.",
@@ -255,6 +260,7 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
       reader.finish();
     }
   }
+  read_aliases(scene, own, radar.config, radar.set_at);
   // A number without a word on the switch is meant.
   for (const AutoKey& automatic : kAutoKeys)
     if (radar.set_at.contains(std::string(automatic.key)) &&
@@ -289,15 +295,6 @@ RadarReading read_radar(SceneReading& scene, const ConfigNode& table) {
                          {"antenna.geoid_undulation_m", "nothing with height_reference = \"ellipsoid\"",
                           "the geoid's height above the ellipsoid there, m"});
   return radar;
-}
-
-/// Says which platforms carry nothing: a server does not have them.
-void note_empty_platforms(SceneConfig& config) {
-  for (const auto& platform : config.platforms)
-    if (std::ranges::none_of(config.radars, [&](const RadarConfig& r) { return r.platform == platform; }))
-      config.notes.push_back(
-          "[[platform]] " + toml_string(platform->name) +
-          " carries no radar, and is left out: radar.platform names what a radar rides on");
 }
 
 /// As TOML; empty where there is nothing to print.

@@ -179,22 +179,48 @@ void read_scheme(const FoundKey& found, SurfaceSpec& surface) {
 }
 
 std::string printed_surface_material(const SurfaceSpec& surface, const SceneConfig& config) {
-  return surface.scheme.empty() ? printed_material(surface, config) : "";
+  return surface.scheme.empty() && surface.paints ? printed_material(surface, config) : "";
+}
+
+// A file of decibels does not say whether -12 is a dark field or the gamma of grass.
+constexpr std::array kRasterMeanings{Choice{"offset"}, Choice{"gamma"}};
+
+void read_raster_meaning(const FoundKey& found, SurfaceSpec& surface) {
+  const std::string* const text = found.text();
+  if (text == nullptr || std::ranges::find(kRasterMeanings, *text, &Choice::name) == kRasterMeanings.end())
+    return found.refuse();
+  surface.raster_is_gamma = *text == kRasterMeanings[1].name;
+}
+
+std::string printed_raster_meaning(const SurfaceSpec& surface, const SceneConfig&) {
+  if (surface.gamma_raster.empty()) return "";
+  return toml_string(kRasterMeanings[surface.raster_is_gamma ? 1 : 0].name);
 }
 
 const std::array kSpecialOfSurfaces{
     special<SurfaceSpec>("source", "", kAny, kPath, "OGR polygons or a GDAL class raster.",
-                         read_path<&SurfaceSpec::source>, printed_text<&SurfaceSpec::source>, "required"),
+                         read_path<&SurfaceSpec::source>, printed_text<&SurfaceSpec::source>,
+                         "required without gamma_raster"),
     special<SurfaceSpec>("classes", "", kAny, "a list of whole numbers",
                          "For a class raster: the values of this material.", read_classes, printed_classes,
                          "[]"),
     special<SurfaceSpec>("material", "", kAny, kMaterial, "Material of the ground there.",
-                         read_material<SurfaceSpec>, printed_surface_material, "required"),
+                         read_material<SurfaceSpec>, printed_surface_material,
+                         "required without scheme or gamma_raster"),
     special<SurfaceSpec>(
         "scheme", "", kLandCoverSchemes, "",
         "For a class raster with a known legend, instead of classes and material: each class gets a "
         "material from clutter tables.",
         read_scheme, printed_text<&SurfaceSpec::scheme>),
+    special<SurfaceSpec>(
+        "gamma_raster", "", kAny, kPath,
+        "GDAL raster of decibels, one a pixel, of the ground that the source paints or, without a source, of "
+        "all ground; voids keep the material.",
+        read_path<&SurfaceSpec::gamma_raster>, printed_text<&SurfaceSpec::gamma_raster>, "none"),
+    special<SurfaceSpec>(
+        "gamma_raster_is", "", kRasterMeanings, "",
+        "offset: added to the material's cross section; gamma: in its place, constant gamma.",
+        read_raster_meaning, printed_raster_meaning, "\"offset\""),
     special<SurfaceSpec>("layer", "", kAny, "a text in quotes", "Layer of the source; empty: the first.",
                          read_text<&SurfaceSpec::layer>, printed_text<&SurfaceSpec::layer>, "\"\""),
     special<SurfaceSpec>("where", "", kAny, "a text in quotes", "OGR attribute filter; empty: every feature.",
@@ -202,7 +228,18 @@ const std::array kSpecialOfSurfaces{
 };
 
 void finish_surfaces(SceneReading& scene, SectionReader& reader, SurfaceSpec& surface) {
-  require(scene, reader, "source", std::string(kPath));
+  const ConfigNode& table = reader.table();
+  if (surface.gamma_raster.empty()) {
+    require(scene, reader, "source", std::string(kPath));
+    if (const ConfigNode* alone = table.find("gamma_raster_is"))
+      reader.complain(*alone, "gamma_raster_is", "nothing without gamma_raster");
+  } else if (surface.source.empty()) {
+    surface.paints = table.find("material") != nullptr;
+    for (const std::string_view of_source : {"classes", "scheme", "layer", "where"})
+      if (const ConfigNode* alone = table.find(of_source))
+        reader.complain(*alone, of_source, "nothing without source");
+    return;
+  }
   if (surface.scheme.empty()) require(scene, reader, "material", std::string(kMaterial));
 }
 

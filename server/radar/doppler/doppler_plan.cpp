@@ -29,10 +29,8 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
     moving_share_ = WindSpectrum(settings.atmosphere.wind_m_s, settings.frequency_ghz).moving;
     residue_ = moving_residue(settings);
   }
-  // T = lambda r / (2 v sin(psi) resolution), psi that of the sector's centre.
-  const double across_m_s = velocity.across_m_s(0);
-  if (mode_ == RadarMode::sar && across_m_s > 0)
-    sar_s_a_m_ = wavelength_at(settings.frequency_ghz) / (2 * across_m_s * settings.doppler.resolution_m);
+  // psi is that of the sector's centre.
+  if (mode_ == RadarMode::sar) sar_s_a_m_ = aperture_s_a_m(settings, velocity.across_m_s(0));
   ask(4 * ranges.n);
   for (int bin = 0; bin < ranges.n; ++bin) {
     turns_a_hz_.push_back(turns_a_hz(ranges.middle_m(bin)));
@@ -46,6 +44,8 @@ double DopplerPlan::turns_a_hz(double range_m) const {
       return pulse_s_;
     case RadarMode::dbs:
       return train_s_;
+    case RadarMode::pulses:
+      return 1;
     default:
       return sar_s_a_m_ * range_m;
   }

@@ -32,12 +32,17 @@ Taper doppler_taper(const DopplerSettings& settings) {
 }
 
 double doppler_noise_factor(const RadarSettings& settings) {
-  if (settings.mode != RadarMode::dbs && settings.mode != RadarMode::sar) return 1;
+  if (settings.mode != RadarMode::dbs) return 1;
   const int n = settings.doppler.pulses;
   return doppler_taper(settings.doppler).sampled_noise_width(n) / n;
 }
 
+double aperture_noise_factor(const DopplerSettings& settings, double pulses) {
+  return pulses > 1 ? std::min(1.0, doppler_taper(settings).noise_width() / pulses) : 1;
+}
+
 DopplerResponse::DopplerResponse(const RadarSettings& settings) {
+  if (settings.mode == RadarMode::pulses) return;  // nothing is made of them
   const Taper taper = doppler_taper(settings.doppler);
   const bool is_sar = settings.mode == RadarMode::sar;
   const double end_cells = is_sar ? kSarCells : settings.doppler.pulses;

@@ -12,8 +12,11 @@ namespace obliq {
 /// The weights of pulses.
 Taper doppler_taper(const DopplerSettings& settings);
 
-/// Power of noise behind the filter over that before: sum w^2 / (sum w)^2 of dbs and sar; else 1.
+/// Power of noise behind the filter over that before: sum w^2 / (sum w)^2 of dbs; else 1.
 double doppler_noise_factor(const RadarSettings& settings);
+/// The same of a synthetic aperture of so many pulses, which need not be whole: the weights' noise width over
+/// their number. One pulse or less: 1.
+double aperture_noise_factor(const DopplerSettings& settings, double pulses);
 
 /// D(u) = sum of w_n cos(2 pi u (n - (N - 1)/2) / N) over sum of w_n, n from 0 to N - 1: real and even, 1 at
 /// u = 0 cells, again after N cells but for its sign where N is even. Without pulses, of synthetic aperture,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "terrain/base/units.h"
 
@@ -10,8 +11,6 @@ namespace obliq {
 namespace {
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;
-/// Beyond the cells of the ground in the beam.
-constexpr double kRowsBesideCells = 3;
 
 }  // namespace
 
@@ -47,9 +46,21 @@ double coherent_time_s(const RadarSettings& settings) {
       return settings.doppler.canceller / settings.pulse.prf_hz;
     case RadarMode::dbs:
       return settings.doppler.pulses / settings.pulse.prf_hz;
+    case RadarMode::pulses: {
+      // Of a stagger its mean interval; it may end with longer ones, by no more than a pattern.
+      double mean = 1;
+      if (const auto& ratios = settings.pulse.stagger; !ratios.empty())
+        mean = std::accumulate(ratios.begin(), ratios.end(), 0.0) / static_cast<double>(ratios.size());
+      return settings.doppler.pulses * mean / settings.pulse.prf_hz;
+    }
     default:
       return 0;
   }
+}
+
+double aperture_s_a_m(const RadarSettings& settings, double across_m_s) {
+  if (!(across_m_s > 0)) return 0;
+  return wavelength_at(settings.frequency_ghz) / (2 * across_m_s * settings.doppler.resolution_m);
 }
 
 double cells_in_beam(const RadarSettings& settings, double beam_rad, double across_m_s) {
@@ -58,7 +69,7 @@ double cells_in_beam(const RadarSettings& settings, double beam_rad, double acro
 
 double rows_a_beamwidth(const RadarSettings& settings, double beam_rad, double across_m_s) {
   if (!(coherent_time_s(settings) > 0)) return 0;
-  return cells_in_beam(settings, beam_rad, across_m_s) + kRowsBesideCells;
+  return cells_in_beam(settings, beam_rad, across_m_s) + settings.doppler.rows_beside_cells;
 }
 
 }  // namespace obliq

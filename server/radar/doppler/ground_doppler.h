@@ -41,9 +41,13 @@ class GroundDoppler {
   double up_hz_ = 0;
 };
 
-/// Time that a bin's echo is added up over: c pulses apart, the train of dbs. 0: a map. An image of synthetic
-/// aperture takes its own (DopplerPlan).
+/// Time that a bin's echo is added up over: c pulses apart, the train of dbs and pulses. 0: a map. An image
+/// of synthetic aperture takes its own (DopplerPlan).
 double coherent_time_s(const RadarSettings& settings);
+
+/// Time over range of the train of a synthetic aperture, T = lambda r / (2 v sin psi resolution), s/m; 0
+/// where the antenna does not fly across it.
+double aperture_s_a_m(const RadarSettings& settings, double across_m_s);
 
 /// Doppler cells of the ground in a beam, B = 2 v theta3 sin(psi) T / lambda; across_m_s: v sin(psi).
 double cells_in_beam(const RadarSettings& settings, double beam_rad, double across_m_s);

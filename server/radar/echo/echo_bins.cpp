@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "server/radar/echo/sea_echo.h"
 #include "server/radar/simd/cross_section.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
@@ -37,6 +38,7 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
       speckle_(speckle),
       range_(range),
       surfaces_(surfaces),
+      has_raster_gamma_(!plan.scene().world().raster_gamma.empty()),
       range_constant_(radar_equation_constant(plan.settings().power_w, plan.wavelength_m())),
       bins_(plan, speckle, true, labels) {
   cells_.axis = plan.bins();
@@ -45,6 +47,7 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
     factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
   if (labels) datum_ = {plan.scene().world().frame, {plan.sector().antenna_m}, plan.sector().r_max_m};
+  if (scattering.texture() != nullptr) pieces_ = std::make_unique<SeaPieces>();
   if (scattering.corners() != nullptr && surfaces != Surfaces::ground)
     foot_corner_.emplace(plan, *scattering.corners());
   restart(range);
@@ -66,6 +69,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   std::uint32_t marked = kNoFace;
   ask(kASample * samples.n);
   active_kernels().bin_samples(cells_, factors_, samples, placed_);
+  if (pieces_) texture_samples(samples);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
@@ -80,6 +84,15 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     const double dx = samples.x_m[k] - at_m.x;
     const double dz = samples.z_m[k] - at_m.z;
     double sine = samples.sin_elevation[k];
+    if (scattering_.sea() != nullptr && samples.face[k] == kNoFace) {
+      if (pieces_ && scattering_.sea()->over_gamma[samples.material[k]] > 0)
+        sigma *= static_cast<double>(pieces_->tau[k]);
+      sigma *= sea_over_gamma(*scattering_.sea(), samples.material[k], dx, dz, r, sine);
+    }
+    if (has_raster_gamma_ && samples.face[k] == kNoFace) {
+      const auto said = static_cast<double>(samples.raster_gamma[k]);
+      sigma = said < 0 ? -said * (samples.solid_angle_sr[k] * placed_.range2_m2[k]) : said * sigma;
+    }
     if (antenna.keeps_elevation()) {
       // That of the surface's middle: of a beam's width, which is 1 / cos(e), it has the mean straight below
       // as well.
@@ -116,6 +129,28 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     }
   }
   return binned;
+}
+
+/// The texture's mean over each sample, as if all were sea: as wide as a column, and as long as its solid
+/// angle makes it on level water.
+void EchoBins::texture_samples(const SampleBatch& samples) {
+  static_assert(kBatch <= SeaPieces::kMost);
+  constexpr double kLeastSine = 1e-3;
+  const glm::dvec3& at_m = plan_.sector().antenna_m;
+  const double width_rad = plan_.bins().azimuth_width_rad / sweep_columns_per_bin(plan_.settings());
+  pieces_->n = samples.n;
+  for (int s = 0; s < samples.n; ++s) {
+    const auto k = static_cast<std::size_t>(s);
+    const double dx = samples.x_m[k] - at_m.x, dz = samples.z_m[k] - at_m.z;
+    const double across_m = std::sqrt(dx * dx + dz * dz) * width_rad;
+    const double area_m2 = samples.solid_angle_sr[k] * samples.slant_range_m[k] * samples.slant_range_m[k] /
+                           std::max(kLeastSine, std::fabs(samples.sin_elevation[k]));
+    pieces_->x_m[k] = static_cast<float>(dx);
+    pieces_->z_m[k] = static_cast<float>(dz);
+    pieces_->across_m[k] = static_cast<float>(across_m);
+    pieces_->along_m[k] = static_cast<float>(area_m2 / std::max(across_m, 1e-3));
+  }
+  active_kernels().sea_texture(*scattering_.texture(), *pieces_);
 }
 
 /// What a wall's sample stands for of the wall's corner with the ground.

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "server/radar/echo/speckle.h"
 #include "server/radar/samples.h"
 #include "server/radar/scene_plan.h"
+#include "server/radar/simd/sea_texture.h"
 
 namespace obliq {
 
@@ -37,12 +39,14 @@ class EchoBins {
  private:
   void add_corner(const SampleBatch& samples, std::size_t k);
   void add_speckle(std::size_t azimuth);
+  void texture_samples(const SampleBatch& samples);
 
   const ScenePlan& plan_;
   const ScatteringTable& scattering_;
   const SpeckleField& speckle_;
   AzimuthRange range_;
   Surfaces surfaces_;
+  bool has_raster_gamma_;
   double range_constant_;  // K of radar_equation
   BinSums bins_;
   DatumSurface datum_;  // of labels
@@ -50,6 +54,7 @@ class EchoBins {
   std::vector<ScattererSums> scatterers_;  // [range.count], ground speckle only
   SwathCells cells_;
   EchoFactors factors_;
+  std::unique_ptr<SeaPieces> pieces_;  // where the sea has a texture
   BinnedSamples placed_;
   std::optional<FootCorner> foot_corner_;  // where corners are wanted
 };

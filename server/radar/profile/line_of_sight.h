@@ -38,6 +38,7 @@ struct VisibleSegment {
   double nearest_m;  ///< of a wall: ground distances of its nearest and its farthest point
   double farthest_m;
   Foot foot;
+  float raster_gamma = 1;  ///< World::raster_gamma of the ground
 
   double ground_range_m(double t) const { return d_m + t * rate_d; }
   double height_m(double t) const { return h_m + t * rate_h; }
@@ -127,7 +128,8 @@ class LineOfSight {
       const double steepness = std::sqrt(1 + slope_x * slope_x + slope_z * slope_z);
       sink.visible(VisibleSegment{0, start, 1, ground.rise, from, to, -start / steepness, kNoFace,
                                   world_->material_of_cell(ground.i, ground.j), ground.upper, ground.i,
-                                  ground.j, false, 0, 0, 0, 0, VisibleSegment::Foot::hidden});
+                                  ground.j, false, 0, 0, 0, 0, VisibleSegment::Foot::hidden,
+                                  world_->raster_gamma_of_cell(ground.i, ground.j)});
     });
   }
 

@@ -111,6 +111,7 @@ void LocalSurface::cut_surface(const Cells<double>& cell, const TriangleCut<doub
   ground.normal_along = -rise;
   ground.normal_length2 = 1 + (cut.per_i * cut.per_i + cut.per_j * cut.per_j) * (over_cell * over_cell);
   ground.material = world_.material_of_cell(static_cast<int>(cell.i), static_cast<int>(cell.j));
+  ground.raster_gamma = world_.raster_gamma_of_cell(static_cast<int>(cell.i), static_cast<int>(cell.j));
   const auto add_ground = [&](double from, double to) {
     segments_.emplace_back(ground).set_ends(from, start + rise * from, to, start + rise * to);
   };

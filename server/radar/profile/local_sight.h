@@ -24,6 +24,7 @@ struct SurfaceSegment {
   double normal_length2 = 1;
   std::uint32_t face = kNoFace;
   std::uint8_t material = 0;
+  float raster_gamma = 1;  ///< World::raster_gamma of the ground
 
   void set_ends(double near_d, double near_h, double far_d, double far_h) {
     near_d_m = near_d;

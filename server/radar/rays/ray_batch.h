@@ -29,6 +29,7 @@ struct RayBatch {
 struct HitBatch : GroundHits {
   std::array<std::uint32_t, kBatch> face;  ///< kNoFace on ground
   std::array<std::uint8_t, kBatch> material;
+  std::array<float, kBatch> raster_gamma;
 
   /// False: the ray meets nothing, and its other values mean nothing.
   bool is_hit(std::size_t k) const { return !std::isnan(slant_range_m[k]); }
@@ -45,7 +46,8 @@ inline Sample sample_at_hit(const BinGrid& bins, const RayBatch& rays, const Hit
           hits.x_m[k],
           hits.z_m[k],
           hits.face[k],
-          hits.material[k]};
+          hits.material[k],
+          hits.raster_gamma[k]};
 }
 
 }  // namespace obliq

@@ -85,6 +85,7 @@ void RaySamples::refine(FrameStats& stats) {
       ++stats.hits;
       hits_.face[k] = kNoFace;
       hits_.material[k] = world.material_of_cell(hits_.cell_x[k], hits_.cell_z[k]);
+      hits_.raster_gamma[k] = world.raster_gamma_of_cell(hits_.cell_x[k], hits_.cell_z[k]);
     } else {
       refine_one(k, stats);
       ++odd;
@@ -135,6 +136,7 @@ void RaySamples::refine_one(std::size_t k, FrameStats& stats) {
   hits_.z_m[k] = hit.position_m.z;
   hits_.face[k] = hit.face;
   hits_.material[k] = hit.material;
+  hits_.raster_gamma[k] = hit.raster_gamma;
   if (!observer_) return;
   const double right = direction.x * sector.cos_bearing - direction.z * sector.sin_bearing;
   const double ahead = direction.x * sector.sin_bearing + direction.z * sector.cos_bearing;

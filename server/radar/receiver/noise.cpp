@@ -6,6 +6,7 @@
 #include "server/radar/beam/antenna_gain.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/doppler/doppler_response.h"
+#include "server/radar/doppler/ground_doppler.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/units.h"
 
@@ -49,10 +50,18 @@ double noise_power_w(double temperature_k, const NoiseBand& band) {
   return kBoltzmann_j_k * temperature_k * band.window_loss * band.bandwidth_hz;
 }
 
-double noise_power_w(const RadarSettings& settings) {
+double noise_power_w(const RadarSettings& settings, const AirView& air) {
+  return noise_power_w(settings, air, (settings.r_min_m + settings.r_max_m) / 2);
+}
+
+double noise_power_w(const RadarSettings& settings, const AirView& air, double slant_range_m) {
   const ReceiverSettings& receiver = settings.receiver;
   if (!receiver.noise) return 0;
-  return doppler_noise_factor(settings) *
+  const double train_s = aperture_s_a_m(settings, air.across_m_s) * slant_range_m;
+  const double factor = settings.mode == RadarMode::sar
+                            ? aperture_noise_factor(settings.doppler, train_s * settings.pulse.prf_hz)
+                            : doppler_noise_factor(settings);
+  return factor *
          noise_power_w(system_temperature_k(receiver.noise_figure_db, receiver.antenna_temperature_k),
                        noise_band(settings));
 }

@@ -2,6 +2,7 @@
 // The receiver's noise: its power, and how the pulse colours it.
 #include <vector>
 
+#include "server/radar/receiver/weather.h"
 #include "server/radar/settings.h"
 
 namespace obliq {
@@ -22,8 +23,11 @@ double system_temperature_k(double noise_figure_db, double antenna_temperature_k
 /// equation gives it. SNR = S / N is then that of Richards 2014, eq. 2.26, for a pulse of length 1 / B.
 double noise_power_w(double temperature_k, const NoiseBand& band);
 
-/// Of a radar; 0 where it has no noise.
-double noise_power_w(const RadarSettings& settings);
+/// Of a radar at a slant range, behind its Doppler filter; 0 where it has no noise. The train of a synthetic
+/// aperture, T(r), has prf_hz T pulses, so that an image's noise falls with range and with a slower flight.
+double noise_power_w(const RadarSettings& settings, const AirView& air, double slant_range_m);
+/// In the middle of the swath.
+double noise_power_w(const RadarSettings& settings, const AirView& air = {});
 
 /// P_t G^2 lambda^2 sigma / ((4 pi)^3 L r^4), in watts: the radar equation (Richards 2014, eq. 2.8, with
 /// losses). Gain one way, loss there and back.

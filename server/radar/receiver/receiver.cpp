@@ -73,10 +73,10 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
     : is_on_(has_receiver(settings)),
       counter_(counter),
       key_(noise_key(settings, radar, counter)),
-      noise_power_w_(obliq::noise_power_w(settings)),
+      noise_power_w_(obliq::noise_power_w(settings, air)),
       noise_kernels_(obliq::noise_kernels(settings)),
       rain_power_(rain_echo_power_w(settings, air)),
-      video_(obliq::video_scale(settings)),
+      video_(obliq::video_scale(settings, air)),
       looks_(settings.video.looks > 1 ? LooksLaw::of(settings.video.looks) : nullptr) {
   const ReceiverSettings& receiver = settings.receiver;
   const double echo_power = ratio_of_db(-receiver.loss_db);
@@ -91,11 +91,12 @@ Receiver::Receiver(const RadarSettings& settings, std::string_view radar, std::u
     const double r2 = settings.range_normalisation ? range_m * range_m : 1;
     power_gain_.push_back(ratio_of_db(receiver.gain_db + stc_gain_db(receiver, range_m)));
     voltage_gain_.push_back(std::sqrt(power_gain_.back()));
-    noise_out_w_.push_back(noise_power_w_ * (r2 * r2));
+    const double noise_w = noise_power_w_ > 0 ? obliq::noise_power_w(settings, air, range_m) : 0;
+    noise_out_w_.push_back(noise_w * (r2 * r2));
     power_factor_.push_back(echo_power * (r2 * r2));
     look_voltage_.push_back(is_on_ ? std::sqrt(power_factor_.back()) : 1);
     const double rain_w = rain_power_.empty() ? 0 : rain_power_[static_cast<std::size_t>(bin)];
-    noise_voltage_.push_back(std::sqrt(noise_power_w_ + rain_w));
+    noise_voltage_.push_back(std::sqrt(noise_w + rain_w));
     if (settings.range_normalisation && is_on_) range2_m2_.push_back(r2);
     if (!rain_power_.empty()) rain_power_[static_cast<std::size_t>(bin)] = rain_w * (r2 * r2);
   }
@@ -123,6 +124,22 @@ void Receiver::receive(BinBlock& bins, const ReceivedPlanes& wanted) const {
     }
   }
   if (looks_ == nullptr && wanted.any_video()) add_video_of_iq(video_, wanted.video8, wanted.video16, bins);
+}
+
+void Receiver::receive(PulseTrain& train) const {
+  if (!is_on_) return;
+  // Numbers beyond those of azimuth bins: 2^13 of these and 2^10 pulses are the most.
+  constexpr std::uint64_t kFirst = std::uint64_t{1} << 24;
+  constexpr std::uint64_t kPulses = std::uint64_t{1} << 10;
+  const auto n_range = static_cast<std::size_t>(train.n_range);
+  Scratch scratch(n_range, longest(noise_kernels_));
+  for (int pulse = 0; pulse < train.n_pulses; ++pulse) {
+    ask(std::int64_t{kReceptionABin} * train.n_range);
+    make_noise(kFirst + static_cast<std::uint64_t>(train.azimuths.first) * kPulses +
+                   static_cast<std::uint64_t>(pulse),
+               scratch);
+    receive_row(train.iq.data() + static_cast<std::size_t>(pulse) * n_range, scratch);
+  }
 }
 
 /// Adds a row's echoes to its noise; then what comes after.

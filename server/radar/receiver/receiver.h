@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "server/radar/pulse_train.h"
 #include "server/radar/receiver/looks_law.h"
 #include "server/radar/receiver/video.h"
 #include "server/radar/receiver/weather.h"
@@ -34,11 +35,14 @@ class Receiver {
   /// False: receive() has nothing to do.
   bool is_on() const { return is_on_; }
   std::uint64_t counter() const { return counter_; }
-  double noise_power_w() const { return noise_power_w_; }  ///< 0 without noise
+  /// In the middle of the swath; 0 without noise.
+  double noise_power_w() const { return noise_power_w_; }
   /// What I and Q are whole multiples of, in their unit; 0: nothing.
   double iq_step() const { return range2_m2_.empty() ? lsb_ : 0; }
 
   void receive(BinBlock& bins, const ReceivedPlanes& wanted) const;
+  /// Each pulse with noise of its own.
+  void receive(PulseTrain& train) const;
 
   const VideoScale& video_scale() const { return video_; }
 

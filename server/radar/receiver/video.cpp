@@ -24,14 +24,14 @@ constexpr std::size_t kSpare = 8;  // lanes of a kernel
 
 }  // namespace
 
-VideoScale video_scale(const RadarSettings& settings) {
+VideoScale video_scale(const RadarSettings& settings, const AirView& air) {
   // In range a time constant is as long as a pulse of that time; of one bin nothing would be left.
   constexpr int kFewestBins = 2;
   const double bins = settings.video.ftc_us * 1e-6 * kSpeedOfLight_m_s / 2 / settings.range_bin_m();
   const int ftc_bins = settings.video.ftc_us > 0
                            ? std::max(kFewestBins, static_cast<int>(std::lround(std::min(bins, 1e6))))
                            : 0;
-  return {video_floor_db(settings), settings.video.span_db, ftc_bins};
+  return {video_floor_db(settings, air), settings.video.span_db, ftc_bins};
 }
 
 void take_mean_away(std::span<double> power, int bins) {
@@ -52,10 +52,11 @@ double level_ground_power_w(const RadarSettings& s, double gamma_db, double slan
                       slant_range_m);
 }
 
-double video_floor_db(const RadarSettings& settings) {
+double video_floor_db(const RadarSettings& settings, const AirView& air) {
   if (!settings.video.floor_auto) return settings.video.floor_db;
   const double r_max_m = settings.r_max_m;
-  const double noise_w = noise_power_w(settings);
+  const double noise_w =
+      settings.range_normalisation ? noise_power_w(settings, air, r_max_m) : noise_power_w(settings, air);
   double power = noise_w > 0 ? noise_w
                              : level_ground_power_w(settings, kGamma_db, r_max_m, r_max_m / 20) *
                                    ratio_of_db(-kBelowGround_db);

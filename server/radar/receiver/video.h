@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "server/radar/receiver/weather.h"
 #include "server/radar/settings.h"
 
 namespace obliq {
@@ -15,7 +16,7 @@ struct VideoScale {
   double span_db = 100;  ///< to the highest level
   int ftc_bins = 0;      ///< of a fast time constant; 0: none
 };
-VideoScale video_scale(const RadarSettings& settings);
+VideoScale video_scale(const RadarSettings& settings, const AirView& air = {});
 
 /// A fast time constant: what a power has above the mean of the last `bins` range bins, its own included (of
 /// those that there are near r_min), and 0 where it has nothing. Rain, which is even in range, goes; edges
@@ -25,8 +26,8 @@ void take_mean_away(std::span<double> power, int bins);
 /// Where the video's scale begins, in dB re the unit of power: video.floor_db, or, if that is automatic and
 /// rounded down to a whole dB, the noise before gain and sensitivity time control (at r_max where ranges are
 /// normalised); without noise 20 dB below the mean return of level ground of gamma -15 dB at r_max, seen from
-/// r_max / 20 above it. Of settings alone.
-double video_floor_db(const RadarSettings& settings);
+/// r_max / 20 above it. Of settings alone, but for the noise of an image of synthetic aperture.
+double video_floor_db(const RadarSettings& settings, const AirView& air = {});
 
 /// The mean return of level ground of constant gamma in an azimuth and range bin at a slant range, in watts:
 /// K G^2 gamma w h delta / r^4 (the ground's solid angle in a bin is w h delta / r^2).

@@ -6,11 +6,12 @@
 
 namespace obliq {
 
-/// Heights above the datum, in metres.
+/// Where the antenna is and how it looks. Heights above the datum, in metres.
 struct AirView {
   double antenna_m = 0;
-  double ground_m = 0;  ///< median of the sector
-  double tilt_rad = 0;  ///< elevation of the boresight
+  double ground_m = 0;    ///< median of the sector
+  double tilt_rad = 0;    ///< elevation of the boresight
+  double across_m_s = 0;  ///< speed across the sector's middle; of use to images of synthetic aperture
 };
 
 /// gamma_R = k R^alpha, one way, in dB/km (Rec. ITU-R P.838-3), of a level path.

@@ -82,11 +82,14 @@ int cut_at_range_bins(const SegmentCut& bins, const VisibleSegments& segments, i
           out.face[n + s] = kNoFace;
           out.material[n + s] = 0;
         }
+        const auto nx = static_cast<std::uint64_t>(bins.ground.grid.nx);
         if (bins.material != nullptr) {
-          for (int s = 0; s < count; ++s) {
-            const auto nx = static_cast<std::uint64_t>(bins.ground.grid.nx);
+          for (int s = 0; s < count; ++s)
             out.material[n + s] = bins.material[cell[s] / nx * (nx - 1) + cell[s] % nx];
-          }
+        }
+        if (bins.raster_gamma != nullptr) {
+          for (int s = 0; s < count; ++s)
+            out.raster_gamma[n + s] = bins.raster_gamma[cell[s] / nx * (nx - 1) + cell[s] % nx];
         }
         out.n = n + count;
       }

@@ -18,6 +18,7 @@ struct SegmentCut {
   double azimuth_offset_rad[SightProfiles::kLanes];
   double azimuth_bin[SightProfiles::kLanes];  ///< whole numbers
   const std::uint8_t* material;               ///< [nz - 1][nx - 1] of the cells; null: all are 0
+  const float* raster_gamma;                  ///< [nz - 1][nx - 1] of the cells; null: there is none
 };
 
 /// Cuts rows of segments from number `first` on into samples as SegmentSampler does. Returns the

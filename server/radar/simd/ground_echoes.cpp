@@ -28,8 +28,9 @@ struct Row {
   }
 };
 
-/// Materials of the cells of a row's segments; 0 where there are none.
-OBLIQ_INLINE f32x8 materials_of(const GroundCut& cut, const SegmentRows& rows) {
+/// What a table [nz - 1][nx - 1] has of the cells of a row's segments; 0 where there are none.
+template <typename T>
+OBLIQ_INLINE f32x8 of_cells(const GroundCut& cut, const T* table, const SegmentRows& rows) {
   if (rows.first >= rows.end) return f32x8{};
   const VisibleSegments& segments = *rows.segments;
   const int row = rows.first;
@@ -37,7 +38,7 @@ OBLIQ_INLINE f32x8 materials_of(const GroundCut& cut, const SegmentRows& rows) {
   return lane_by_lane<float, kLanes>([&](int lane) {
     if ((segments.seen[row] >> lane & 1) == 0) return 0.0F;
     const auto cell = static_cast<std::uint64_t>(segments.cell[row][lane]);
-    return static_cast<float>(cut.material[cell / nx * (nx - 1) + cell % nx]);
+    return static_cast<float>(table[cell / nx * (nx - 1) + cell % nx]);
   });
 }
 
@@ -48,7 +49,14 @@ struct Parts {
   Floats<n> at, end;
   Floats<n> gain;  // width, and gamma where that is a constant
   Floats<n> material, plane_distance;
+  Floats<n> raster_gamma;  // only with GroundCut::raster_gamma
 };
+
+/// A cross section by area, as a gamma raster has it (World::raster_gamma).
+template <typename Float>
+OBLIQ_INLINE Float as_raster_says(Float raster_gamma, Float cross_section) {
+  return select(raster_gamma < 0.0F, -raster_gamma, raster_gamma * cross_section);
+}
 
 /// ScatteringTable's cross section by area, with lobes.
 OBLIQ_INLINE f32x8 cross_section_of(const EchoTable& table, f32x8 material, f32x8 sec2) {
@@ -58,6 +66,21 @@ OBLIQ_INLINE f32x8 cross_section_of(const EchoTable& table, f32x8 material, f32x
 OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f32x16 sec2) {
   return joined(cross_section_of(table, low_half(material), low_half(sec2)),
                 cross_section_of(table, high_half(material), high_half(sec2)));
+}
+
+/// What water in the lanes in `seen` returns over what its material says; 1 of other ground. (d, h): a
+/// piece's middle; mean: of 1 / r^2.
+template <int n>
+OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d,
+                                Floats<n> h, Floats<n> mean) {
+  const SeaTable& sea = *cut.echo.sea;
+  const Floats<n> over_gamma = gather(sea.over_gamma, truncated(parts.material));
+  // A raster of gamma in its place stands in the place of the sea as well.
+  const Where<n> water = seen & (over_gamma > 0.0F) & ~(parts.raster_gamma < 0.0F);
+  if (!any(water)) return all<n>(1.0F);
+  const Floats<n> fall = d * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.sea_curve) * d) - h;
+  const Floats<n> sine = fall * sqrt(mean);
+  return select(water, over_gamma * sea_gamma(sea, sine, load_as<Floats<n>>(cut.against_wind)), all<n>(1.0F));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
@@ -135,10 +158,15 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
       const Float over = 1.0F / (r01 * turned);
       const Float over2 = 1.0F / r01;  // 1 / mean r^2 is third over2^2
       const Float mean = third * over2 * over2;
-      if (cut.echo.any_lobes)
-        gain *=
+      if (cut.echo.any_lobes) {
+        Float sigma =
             cross_section_of(cut.echo, parts.material,
                              max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all<n>(1.0F)));
+        if (cut.raster_gamma != nullptr) sigma = as_raster_says(parts.raster_gamma, sigma);
+        gain *= sigma;
+      }
+      if (cut.echo.sea != nullptr)
+        gain *= sea_gain<n>(cut, parts, in_swath, 0.5F * (d0 + d1), 0.5F * (h0 + h1), mean);
       Float sine{};
       // Labels have one text of both.
       const bool widths = kSines && (!Labels::kWanted || cut.echo.sines);
@@ -225,14 +253,20 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     parts.at = Float{};
     parts.end = OBLIQ_OF_ROWS(length);
     parts.gain = OBLIQ_OF_ROWS(width);
-    parts.material = Float{};
-    if (cut.material != nullptr) {
+    parts.material = parts.raster_gamma = Float{};
+    const auto of_both = [&](const auto* table) __attribute__((always_inline)) {
       if constexpr (n == kLanes)
-        parts.material = materials_of(cut, a);
+        return of_cells(cut, table, a);
       else
-        parts.material = joined(materials_of(cut, a), materials_of(cut, b));
+        return joined(of_cells(cut, table, a), of_cells(cut, table, b));
+    };
+    if (cut.material != nullptr) parts.material = of_both(cut.material);
+    if (cut.raster_gamma != nullptr) parts.raster_gamma = of_both(cut.raster_gamma);
+    if (!cut.echo.any_lobes) {
+      Float gamma = gather(cut.echo.gamma_f, truncated(parts.material));
+      if (cut.raster_gamma != nullptr) gamma = as_raster_says(parts.raster_gamma, gamma);
+      parts.gain *= gamma;
     }
-    if (!cut.echo.any_lobes) parts.gain *= gather(cut.echo.gamma_f, truncated(parts.material));
     // Range falls and rises again where the foot of the perpendicular from the antenna lies on a segment.
     const Float rate2 = 1.0F + parts.rise * parts.rise;
     const Float along = parts.from + parts.rise * parts.height;

@@ -13,12 +13,17 @@ struct GroundCut {
   RangeAxis axis;
   EchoTable echo;
   const std::uint8_t* material;  ///< [nz - 1][nx - 1] of the cells; null: all are 0
+  const float* raster_gamma;     ///< [nz - 1][nx - 1] of the cells; null: there is none
   int nx;
   /// Of the first eight runs and of the others: [n_range][8] share of a profile's light that buildings
   /// leave to the ground of a bin; null: all of it.
   const float* kept[2];
   /// [16] rise of the antenna's horizon along each run: ElevationTable's lean along its bearing.
   float lean[16];
+  /// [16] SeaTable's along each run, and the cosine from the wind's bearing to the run's.
+  float sea_lean[16];
+  float sea_curve[16];
+  float against_wind[16];
 };
 
 /// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen runs of segments go

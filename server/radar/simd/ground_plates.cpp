@@ -90,7 +90,7 @@ struct Parts {
   f64x8 bin, end_m;              // the range bin at hand and its far edge
   f64x8 r, d, sine;              // where the part at hand begins
   f64x8 at_r, at_sine, cosines;  // up to where incidence is summed up
-  f64x8 material;
+  f64x8 material, raster_gamma;
   mask8 crowded;
 
   OBLIQ_INLINE void close(mask8 where, f64x8 to_r, f64x8 to_d, f64x8 to_sine) {
@@ -111,6 +111,7 @@ struct Parts {
     store(rows.far_sine[n], to_sine);
     store(rows.cosines[n], cosines);
     store(rows.material[n], material);
+    store(rows.raster_gamma[n], raster_gamma);
     ++rows.n;
   }
 
@@ -142,12 +143,14 @@ struct Parts {
   }
 };
 
-OBLIQ_INLINE f64x8 materials_of(const PlateField& field, const Cells<f64x8>& cells, mask8 where) {
+/// What a table [nz - 1][nx - 1] has of cells.
+template <typename T>
+OBLIQ_INLINE f64x8 of_cells(const PlateField& field, const T* table, const Cells<f64x8>& cells, mask8 where) {
   const f64x8 number = cells.j * static_cast<double>(field.ground.grid.nx - 1) + cells.i;
   std::uint64_t at[kLanes];
   store(at, to_u64(select(where, number, f64x8{})));
   return lane_by_lane<double, kLanes>([&](int lane) __attribute__((always_inline)) {
-    return static_cast<double>(field.material[at[lane]]);
+    return static_cast<double>(table[at[lane]]);
   });
 }
 
@@ -182,7 +185,7 @@ void ground_plates(const PlateField& field, const PlateRays& rays, int first, un
   const Starts starts = starts_of(field, p, at, mask_from(wanted_lanes) & (level > 0.0));
   const f64x8 end_m = at.d + field.reach_m;
   const f64x8 none{};
-  Parts parts{plates, field.axis, none, none, none, none, none, none, none, none, none, mask8{}};
+  Parts parts{plates, field.axis, none, none, none, none, none, none, none, none, none, none, mask8{}};
   Cells<f64x8> cells = starts.cells;
   f64x8 horizon_d = broadcast(1);
   f64x8 horizon_h = at.low;
@@ -192,6 +195,7 @@ void ground_plates(const PlateField& field, const PlateRays& rays, int first, un
   mask8 reached{};
   mask8 falls{};
   f64x8 material{};
+  f64x8 raster_gamma{};
   const auto next = [&](mask8 active, const CellEnds<f64x8>& /*ends*/, f64x8& /*to*/)
       __attribute__((always_inline)) {
     return active & walking & ~reached & ~falls & ~parts.crowded &
@@ -200,7 +204,8 @@ void ground_plates(const PlateField& field, const PlateRays& rays, int first, un
   const auto cell = [&](mask8 active, mask8 known, f64x8 /*number*/, f64x8 /*end*/)
       __attribute__((always_inline)) {
     walking = active & known;
-    if (field.material != nullptr) material = materials_of(field, cells, walking);
+    if (field.material != nullptr) material = of_cells(field, field.material, cells, walking);
+    if (field.raster_gamma != nullptr) raster_gamma = of_cells(field, field.raster_gamma, cells, walking);
     unseen += 1.0;
   };
   const auto triangle = [&](mask8 where, const TriangleCut<f64x8>& cut, f64x8 d0, f64x8 d1)
@@ -224,16 +229,18 @@ void ground_plates(const PlateField& field, const PlateRays& rays, int first, un
     const f64x8 along = start * rise;
     falls |= seen & (along + rate2 * from < 0.0);
 
-    // A part ends at a crest behind which another bin is seen, and where the material changes.
+    // A part ends at a crest behind which another bin is seen, and where the material or what a gamma raster
+    // says of it changes.
     const f64x8 from_r2 = from * from + from_h * from_h;
-    const mask8 opens =
-        seen & (~begun | (emerges & (from_r2 >= parts.end_m * parts.end_m)) | (material != parts.material));
+    const mask8 opens = seen & (~begun | (emerges & (from_r2 >= parts.end_m * parts.end_m)) |
+                                (material != parts.material) | (raster_gamma != parts.raster_gamma));
     if (any(opens)) {
       const f64x8 horizon_r = sqrt(horizon_d * horizon_d + horizon_h * horizon_h);
       parts.close(opens & begun, horizon_r, horizon_d, horizon_h / horizon_r);
       const f64x8 from_r = sqrt(from_r2);
       parts.open(opens, parts.bin_at(from_r), from_r, from, from_h / from_r);
       parts.material = select(opens, material, parts.material);
+      parts.raster_gamma = select(opens, raster_gamma, parts.raster_gamma);
       begun |= opens;
     }
     f64x8 plane_distance{};
@@ -326,6 +333,8 @@ unsigned plate_samples(const PlateField& field, const PlatePixels& pixels, const
       out.z_m[n] = z[lane];
       out.face[n] = kNoFace;
       out.material[n] = static_cast<std::uint8_t>(plates.material[row][lane]);
+      if (field.raster_gamma != nullptr)
+        out.raster_gamma[n] = static_cast<float>(plates.raster_gamma[row][lane]);
     }
   }
   return plates.walked & ~movemask(sum > 0.0);

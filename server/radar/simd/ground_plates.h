@@ -12,6 +12,7 @@ namespace obliq {
 struct PlateField {
   GroundView ground;
   const std::uint8_t* material;  ///< [nz - 1][nx - 1] of the cells; null: all are 0
+  const float* raster_gamma;     ///< [nz - 1][nx - 1] of the cells; null: there is none
   RangeAxis axis;
   double reach_m;     ///< no plate is walked farther from its hit
   int look_cells;     ///< nor farther than this behind a crest
@@ -32,7 +33,7 @@ struct PlateRays {
 };
 
 /// Plates of eight rays: the visible ground that each pixel covers in its ray's vertical plane, outwards, cut
-/// where the range bin or the material changes.
+/// where the range bin, the material or what a gamma raster says changes.
 struct GroundPlates {
   static constexpr int kLanes = 8;
   static constexpr int kMost = 32;
@@ -55,6 +56,7 @@ struct GroundPlates {
   Row near_sine[kMost], far_sine[kMost];
   Row cosines[kMost];  ///< of incidence, times the share; only with PlateField::incidence
   Row material[kMost];
+  Row raster_gamma[kMost];  ///< only with PlateField::raster_gamma
 };
 
 /// Walks the plates of rays [first, first + 8), those of `wanted`, a bit each, over bare ground as walk_in

@@ -177,7 +177,8 @@ void SegmentSampler::add_part(const VisibleSegment& segment, At from, At to, int
   put({share_.azimuth_bin, part.range_m, share_.width_rad * part.share,
        std::min(1.0, segment.plane_distance_m * over_r), share_.azimuth_offset_rad, part.height_m * over_r,
        antenna_m_.x + part.distance_m * share_.bearing.sin,
-       antenna_m_.z + part.distance_m * share_.bearing.cos, segment.face, segment.material});
+       antenna_m_.z + part.distance_m * share_.bearing.cos, segment.face, segment.material,
+       segment.raster_gamma});
 }
 
 }  // namespace obliq

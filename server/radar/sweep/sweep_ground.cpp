@@ -15,6 +15,7 @@ SweepGround::SweepGround(const ScenePlan& plan) : plan_(plan) {
   bins_.ground = ground_view(world.grid, plan.sector().antenna_m);
   bins_.turn_rad = SegmentSampler::kTurn_rad;
   bins_.material = world.surface_material.empty() ? nullptr : world.surface_material.data();
+  bins_.raster_gamma = world.raster_gamma.empty() ? nullptr : world.raster_gamma.data();
 }
 
 void SweepGround::start(std::vector<GroundShare> shares) {
@@ -73,7 +74,10 @@ void SweepGround::cut_rare(SegmentSampler& sampler) {
     segment.t1 = segments_.to_m[cut_][lane];
     segment.plane_distance_m = segments_.plane_distance_m[cut_][lane];
     segment.face = kNoFace;
-    segment.material = world.material_of_cell(static_cast<int>(cell % nx), static_cast<int>(cell / nx));
+    const auto i = static_cast<int>(cell % nx);
+    const auto j = static_cast<int>(cell / nx);
+    segment.material = world.material_of_cell(i, j);
+    segment.raster_gamma = world.raster_gamma_of_cell(i, j);
     sampler.set(shares_[lane].plane);
     sampler.set_width(segments_.width_rad[cut_][lane]);
     sampler.visible(segment);

@@ -76,11 +76,12 @@ void Plate::add_part(int bin, const SurfaceSegment& segment, const End& from, co
   const double cos_incidence = std::min(1.0, std::abs(segment.normal_along * d + segment.normal_up * h) /
                                                  std::sqrt(r2 * segment.normal_length2));
   if (parts_.empty() || parts_.back().range_bin != bin || parts_.back().face != segment.face ||
-      parts_.back().material != segment.material) {
+      parts_.back().material != segment.material || parts_.back().raster_gamma != segment.raster_gamma) {
     PlatePart& part = parts_.emplace_back();
     part.range_bin = bin;
     part.face = segment.face;
     part.material = segment.material;
+    part.raster_gamma = segment.raster_gamma;
   }
   PlatePart& part = parts_.back();
   part.share += share;
@@ -140,6 +141,7 @@ void emit_plate(const ScenePlan& plan, Plate& plate, const Sample& nearest, doub
     sample.z_m = antenna.z + part.d_m * cos_bearing;
     sample.face = part.face;
     sample.material = part.material;
+    sample.raster_gamma = part.raster_gamma;
     samples.push_back(sample);
   }
 }

@@ -18,6 +18,7 @@ struct PlatePart {
   int range_bin = 0;  ///< -1: nearer than r_min; n_range: beyond r_max
   std::uint32_t face = kNoFace;
   std::uint8_t material = 0;
+  float raster_gamma = 1;
   double share = 0;        ///< difference of the sines of its elevations
   double over_range2 = 0;  ///< 1 / r^2, in 1 / m^2
   double cos_incidence = 0;
