@@ -94,7 +94,7 @@ TEST(Corners, FactorsGiveThePublishedTable) {
     double mean = 0;
     constexpr int kTurns = 4000;
     for (int k = 0; k < kTurns; ++k) mean += 4 * by_factors(row, 2 * kPi * k / kTurns, 30) / kTurns;
-    EXPECT_NEAR(test::db(mean), row.mean_dbsm, 0.006);
+    EXPECT_NEAR(test::db(mean), row.mean_dbsm, 0.01);
   }
 }
 
@@ -201,7 +201,7 @@ TEST(Corners, OneHouseAtTwelveHeadings) {
           // Ten degrees, rising aslant away from the antenna and to its right.
           house.per_x = std::tan(10 * kPi / 180) * std::sin(0.7);
           house.per_z = std::tan(10 * kPi / 180) * std::cos(0.7);
-          house.heading_deg -= 1;  // where the lobe is
+          house.heading_deg -= 2.5;  // where the lobe is
         }
         const World world = house.world();
         const RadarSettings s = test::corner_settings(house, way);

@@ -8,30 +8,41 @@
 namespace obliq {
 namespace {
 
-/// A lobe ends where t^2 / 2 s^2 is this: exp(-14) is below 1e-6.
-constexpr double kDark = 14;
+/// A lobe ends where t^2 / 2 s^2 is this: exp(-6) is 0.0025.
+constexpr double kDark = 6;
 
 }  // namespace
 
 double fresnel_reflectivity(std::complex<double> permittivity, double cos_incidence,
                             Polarisation polarisation) {
   const double c = std::clamp(cos_incidence, 0.0, 1.0);
-  const std::complex<double> root = std::sqrt(permittivity - (1 - c * c));
-  const std::complex<double> direct =
-      polarisation == Polarisation::horizontal ? std::complex<double>(c) : permittivity * c;
-  return std::norm((direct - root) / (direct + root));
+  // root - j loss = sqrt(permittivity - sin^2), permittivity's imaginary part 0 or below.
+  const double re = permittivity.real() - (1 - c * c);
+  const double im = permittivity.imag();
+  const double modulus = std::sqrt(re * re + im * im);
+  const double root = std::sqrt(std::max(0.0, (modulus + re) / 2));
+  const double loss = std::sqrt(std::max(0.0, (modulus - re) / 2));
+  const bool horizontal = polarisation == Polarisation::horizontal;
+  const double direct = horizontal ? c : permittivity.real() * c;
+  const double direct_loss = horizontal ? 0 : -im * c;
+  const double less = (direct - root) * (direct - root) + (direct_loss - loss) * (direct_loss - loss);
+  const double more = (direct + root) * (direct + root) + (direct_loss + loss) * (direct_loss + loss);
+  return less / more;
 }
 
 CornerTable::CornerTable(const std::vector<Material>& materials, Polarisation polarisation)
-    : polarisation_(polarisation), least_slope_(1e9), most_slope_(kLeastSlope) {
+    : polarisation_(polarisation), least_slope_(1e9) {
+  double most = kLeastSlope;
   rows_.reserve(materials.size());
   for (const Material& material : materials) {
     const double slope = std::max(material.rms_slope, kLeastSlope);
     rows_.push_back({1 / (2 * slope * slope), {material.permittivity_re, -material.permittivity_im}});
     if (!material.used) continue;
     least_slope_ = std::min(least_slope_, slope);
-    most_slope_ = std::max(most_slope_, slope);
+    most = std::max(most, slope);
   }
+  const double widest = std::sqrt(2 * kDark) * most;
+  greatest_along_ = widest * kSteepest < 1 ? (widest + kSteepest) / (1 - widest * kSteepest) : HUGE_VAL;
 }
 
 double CornerTable::lobe(std::uint8_t ground, const CornerSight& sight, const FootSlope& slope) const {
@@ -52,14 +63,6 @@ double CornerTable::reflectivity(std::uint8_t wall, std::uint8_t ground, double 
   const double on_ground = std::sqrt(std::max(0.0, 1 - across * across));
   return 4 * fresnel_reflectivity(rows_[wall].permittivity, across, polarisation_) *
          fresnel_reflectivity(rows_[ground].permittivity, on_ground, polarisation_);
-}
-
-bool CornerTable::may_shine(double along_over_up) const {
-  const double level = std::abs(along_over_up);
-  if (level < kSteepest) return true;
-  // tan of the angle that is left when the ground leans towards q as far as it may.
-  const double left = (level - kSteepest) / (1 + level * kSteepest);
-  return left * left / (2 * most_slope_ * most_slope_) < kDark;
 }
 
 }  // namespace obliq

@@ -41,7 +41,7 @@ struct FootSlope {
   double along = 0;
 };
 
-/// What corners return, by materials (PAPER.md, definitions). Immutable.
+/// What corners return, by materials (client/guide/model.md, "Corners of walls and ground"). Immutable.
 ///
 /// The wall mirrors the antenna; ground before it scatters the wave into the mirror's direction by geometric
 /// optics (Barrick 1968: sigma0 = |Rg|^2 pi (q / q_n)^4 p(slopes), p Gaussian, at the bistatic vector
@@ -60,25 +60,27 @@ class CornerTable {
 
   CornerTable(const std::vector<Material>& materials, Polarisation polarisation);
 
-  /// The part of sigma / A that depends on slopes: (1 + t^2)^2 exp(-t^2 / 2 s^2) / (2 s^2); 0 below 1e-6 of
+  /// The part of sigma / A that depends on slopes: (1 + t^2)^2 exp(-t^2 / 2 s^2) / (2 s^2); 0 below 0.0025 of
   /// its peak, and where the ground shows its back.
   double lobe(std::uint8_t ground, const CornerSight& sight, const FootSlope& slope) const;
   /// The other: 4 |Rw|^2 |Rg|^2. across: CornerSight's.
   double reflectivity(std::uint8_t wall, std::uint8_t ground, double across) const;
 
-  /// Whether a lobe may shine on ground of any material that slopes by no more than kSteepest.
-  bool may_shine(double along_over_up) const;
+  /// A lobe shines, on ground of any material that slopes by no more than kSteepest, up to this tangent of
+  /// along / up.
+  double greatest_along() const { return greatest_along_; }
   double narrowest_slope() const { return least_slope_; }
 
  private:
-  static constexpr double kSteepest = 0.5;
+  static constexpr double kSteepest = 0.2;
   struct Row {
     double over_two_slope2;
     std::complex<double> permittivity;
   };
   std::vector<Row> rows_;
   Polarisation polarisation_;
-  double least_slope_, most_slope_;  // of the materials in use
+  double least_slope_;  // of the materials in use
+  double greatest_along_;
 };
 
 }  // namespace obliq

@@ -36,7 +36,7 @@ std::optional<FootCorner::Corner> FootCorner::at(std::uint32_t wall, double x_m,
   const double distance_m = plane.distance_m / across;
   if (!(across > 0 && std::abs(distance_m - about_m) < 1)) return std::nullopt;
   const double base_m = static_cast<double>(building.base_y_m) - antenna.y;
-  if (!(base_m < 0) || !table_.may_shine(along * distance_m / base_m)) return std::nullopt;
+  if (!(base_m < 0 && std::abs(along) * distance_m <= -base_m * table_.greatest_along())) return std::nullopt;
   const double foot_x_m = antenna.x + distance_m * bearing_.sin;
   const double foot_z_m = antenna.z + distance_m * bearing_.cos;
   const double ground_y_m = world.grid.height_at_m(foot_x_m, foot_z_m);

@@ -23,8 +23,9 @@ std::optional<double> roof_above(const Buildings& buildings, const glm::dvec3& p
   return highest;
 }
 
-WallPlane wall_plane(const Buildings& all, std::uint32_t wall, double x_m, double z_m) {
-  const WallEdge edge = edge_of_wall(all, wall);
+WallPlane wall_plane(const Buildings& all, std::uint32_t building, std::uint32_t wall, double x_m,
+                     double z_m) {
+  const WallEdge edge = edge_of_wall(all, building, wall);
   const glm::dvec2 antenna(x_m, z_m);
   const glm::dvec2 a = glm::dvec2(all.ring_xz_m[edge.from]) - antenna;
   const glm::dvec2 b = glm::dvec2(all.ring_xz_m[edge.to]) - antenna;

@@ -29,7 +29,11 @@ struct WallPlane {
   double nearest_m;
   double farthest_m;
 };
-WallPlane wall_plane(const Buildings& buildings, std::uint32_t wall, double x_m, double z_m);
+WallPlane wall_plane(const Buildings& buildings, std::uint32_t building, std::uint32_t wall, double x_m,
+                     double z_m);
+inline WallPlane wall_plane(const Buildings& buildings, std::uint32_t wall, double x_m, double z_m) {
+  return wall_plane(buildings, buildings.building_of_face[wall], wall, x_m, z_m);
+}
 
 /// Appends the stretches of the half-line from (x, z) along (sin, cos) that lie inside a building's
 /// footprint, from distance 0 on, unsorted.

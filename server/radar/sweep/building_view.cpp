@@ -301,11 +301,7 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
   int first = std::min(from, columns_.n - lanes);
   if (first < 0) first = 0;
   echoes_.n = 0;
-  if (corner_view_.wanted()) {
-    std::uint32_t faces[ConvexShape::kMost];
-    for (std::uint32_t k = 0; k < part.n; ++k) faces[k] = corners_[part.first + k].face;
-    corner_view_.see({columns_, centre_}, shape_, faces, part.material);
-  }
+  if (corner_view_.wanted()) see_corners(part);
   for (int k = first; k < std::min(first + lanes, columns_.n); k += kLanes)
     active_kernels().see_part(columns_, shape_, k, std::min(kLanes, end - k), echoes_);
   if (echoes_.n > 0) add_echoes(part, cells);

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -78,6 +79,16 @@ class BuildingView {
   void fill_shape(const Part& part);
   void refine(float near_m);
   void set_fineness(int n);
+  /// Before the part hides anything.
+  void see_corners(const Part& part) {
+    const CornerView::Columns columns{columns_, centre_};
+    for (auto walls = corner_view_.square_walls(columns, shape_, part.from, part.to); walls != 0;
+         walls &= walls - 1) {
+      const auto e = static_cast<std::uint32_t>(std::countr_zero(walls));
+      corner_view_.see(columns, shape_, static_cast<int>(e),
+                       {part.building, part.material, corners_[part.first + e].face});
+    }
+  }
   void add_echoes(const Part& part, EchoCells& cells);
   FaceEcho face_echo(const PartEchoes::Echo& echo, const Part& part) const;
   void add_parts_together(EchoCells& cells);

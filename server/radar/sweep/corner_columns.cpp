@@ -5,95 +5,83 @@
 #include "server/radar/sweep/corner_view.h"
 
 namespace obliq {
-namespace {
 
-/// An edge of a part in the bin's axes.
-struct Edge {
-  double right_m, ahead_m;  ///< where it begins
-  double dr, da;            ///< how far it goes
-  double from, to;          ///< tangents of its ends, in rising order
-
-  Edge(const ConvexShape& part, int e)
-      : right_m(static_cast<double>(part.right_m[e])),
-        ahead_m(static_cast<double>(part.ahead_m[e])),
-        dr(static_cast<double>(part.right_m[e + 1]) - right_m),
-        da(static_cast<double>(part.ahead_m[e + 1]) - ahead_m),
-        from(static_cast<double>(std::min(part.tangent[e], part.tangent[e + 1]))),
-        to(static_cast<double>(std::max(part.tangent[e], part.tangent[e + 1]))) {}
-
-  /// Above 0 where it faces the antenna.
-  double cross() const { return ahead_m * dr - right_m * da; }
-  double nearest_m() const { return std::min(ahead_m, ahead_m + da); }
-  double ahead_at(double tangent) const {
-    return std::clamp(cross() / (dr - tangent * da), nearest_m(), nearest_m() + std::abs(da));
+std::uint64_t CornerView::square_walls(const Columns& columns, const ConvexShape& part, float from,
+                                       float to) const {
+  // The base lies below all ground there: no foot is seen at a greater depression.
+  if (!(part.base_m < 0)) return 0;
+  const float low = std::max(from, columns.all.left);
+  const float high = std::min(to, columns.all.left + static_cast<float>(columns.all.n) * columns.all.width);
+  float near_m = part.ahead_m[0];
+  for (int e = 1; e < part.n; ++e) near_m = std::min(near_m, part.ahead_m[e]);
+  const float limit = static_cast<float>(table_->greatest_along()) * -part.base_m / near_m + (high - low) / 2;
+  const float limit2 = limit * limit;
+  const float middle = (low + high) / 2;
+  std::uint64_t square = 0;
+  for (int e = 0; e < part.n; ++e) {
+    const float dr = part.right_m[e + 1] - part.right_m[e];
+    const float da = part.ahead_m[e + 1] - part.ahead_m[e];
+    const float along = dr * middle + da;
+    const bool is_square = along * along <= limit2 * (dr * dr + da * da);
+    const bool faces = part.ahead_m[e] * dr - part.right_m[e] * da > 0;
+    square |= static_cast<std::uint64_t>(is_square & faces) << e;
   }
-  /// Least sine of the angle between the wall's normal and the sight, between two tangents.
-  double least_along(double low, double high) const {
-    const double at_low = dr * low + da;
-    const double at_high = dr * high + da;
-    if (!(at_low * at_high > 0)) return 0;
-    return std::min(std::abs(at_low), std::abs(at_high)) / std::sqrt(dr * dr + da * da);
-  }
-};
+  return square & part.walls;
+}
 
-}  // namespace
-
-void CornerView::see(const Columns& columns, const ConvexShape& part, const std::uint32_t* faces,
-                     std::uint8_t material) {
+void CornerView::see(const Columns& columns, const ConvexShape& part, int e, const Wall& wall) {
   const SubColumns& all = columns.all;
   const auto left = static_cast<double>(all.left);
   const auto width = static_cast<double>(all.width);
-  // The base lies below all ground there: from above it no foot is seen at a smaller angle.
-  const auto base_m = static_cast<double>(part.base_m);
-  if (!(base_m < 0)) return;
-  for (int e = 0; e < part.n; ++e) {
-    const Edge edge(part, e);
-    if ((part.walls >> e & 1) == 0 || !(edge.cross() > 0)) continue;
-    const double from = std::max(edge.from, left);
-    const double to = std::min(edge.to, left + all.n * width);
-    if (!(from < to) || !table_->may_shine(edge.least_along(from, to) * edge.nearest_m() / base_m)) continue;
-    // The lobe is narrow: by corners in double.
-    const glm::dvec3& antenna = plan_.sector().antenna_m;
-    const WallPlane plane = wall_plane(plan_.scene().world().buildings, faces[e], antenna.x, antenna.z);
-    Foot foot{};
-    foot.face = faces[e];
-    foot.material = material;
-    foot.normal_x = plane.normal_x;
-    foot.normal_z = plane.normal_z;
-    foot.roof_m = static_cast<double>(part.roof_m);
-    const auto column_of = [&](double tangent) {
-      return std::clamp(static_cast<int>((tangent - left) / width), 0, all.n - 1);
-    };
-    for (int column = column_of(from); column <= column_of(to); ++column)
-      see_foot(columns, part, e, column, foot);
-  }
-}
-
-/// The foot of a wall in one sub-column.
-void CornerView::see_foot(const Columns& columns, const ConvexShape& part, int e, int column, Foot foot) {
-  const SubColumns& all = columns.all;
-  const Edge edge(part, e);
-  const auto width = static_cast<double>(all.width);
-  const double left = static_cast<double>(all.left) + column * width;
-  const double from = std::max(edge.from, left);
-  const double to = std::min(edge.to, left + width);
+  const auto t0 = static_cast<double>(part.tangent[e]);
+  const auto t1 = static_cast<double>(part.tangent[e + 1]);
+  const double from = std::max(std::min(t0, t1), left);
+  const double to = std::min(std::max(t0, t1), left + all.n * width);
   if (!(from < to)) return;
+  // The lobe is narrow: by corners in double.
+  const World& world = plan_.scene().world();
+  const glm::dvec3& antenna = plan_.sector().antenna_m;
+  const WallPlane plane = wall_plane(world.buildings, wall.building, wall.face, antenna.x, antenna.z);
+  const SinCos& centre = columns.centre;
+  // Ground distance of the wall's plane, kept between its ends.
+  const auto distance_at = [&](double tangent) {
+    const double secant = std::sqrt(1 + tangent * tangent);
+    const double slope = plane.normal_x * (centre.sin + tangent * centre.cos) +
+                         plane.normal_z * (centre.cos - tangent * centre.sin);
+    return std::clamp(-plane.distance_m / slope * secant, plane.nearest_m, plane.farthest_m);
+  };
   const double tangent = (from + to) / 2;
   const double secant = std::sqrt(1 + tangent * tangent);
-  const SinCos& centre = columns.centre;
-  foot.distance_m = edge.ahead_at(tangent) * secant;
-  foot.left_m = edge.ahead_at(from) * secant;
-  foot.right_m = edge.ahead_at(to) * secant;
+  Foot foot{};
+  foot.face = wall.face;
+  foot.material = wall.material;
+  foot.normal_x = plane.normal_x;
+  foot.normal_z = plane.normal_z;
   foot.bearing = {(centre.sin + tangent * centre.cos) / secant, (centre.cos - tangent * centre.sin) / secant};
   foot.width_rad = (to - from) / width * static_cast<double>(all.width_rad);
-  foot.shade = static_cast<double>(all.roofs[column]);
-  foot.plane = column * all.nodes.planes >> all.log2_n;
-  const glm::dvec3& antenna = plan_.sector().antenna_m;
-  const double ground_y_m = plan_.scene().world().grid.height_at_m(
-      antenna.x + foot.distance_m * foot.bearing.sin, antenna.z + foot.distance_m * foot.bearing.cos);
+  foot.distance_m = distance_at(tangent);
+  foot.left_m = distance_at(from);
+  foot.right_m = distance_at(to);
+  const double ground_y_m = world.grid.height_at_m(antenna.x + foot.distance_m * foot.bearing.sin,
+                                                   antenna.z + foot.distance_m * foot.bearing.cos);
   if (std::isnan(ground_y_m)) return;
   foot.ground_m = std::max(ground_y_m - antenna.y, static_cast<double>(part.base_m));
-  add(foot, all.nodes);
+  foot.roof_m = static_cast<double>(part.roof_m);
+  const auto column_of = [&](double t) {
+    return std::clamp(static_cast<int>((t - left) / width), 0, all.n - 1);
+  };
+  foot.plane = column_of(tangent) * all.nodes.planes >> all.log2_n;
+  const auto [least, greatest] =
+      std::minmax_element(all.roofs + column_of(from), all.roofs + column_of(to) + 1);
+  if (-static_cast<double>(*least) * foot.distance_m <= -foot.ground_m || !begin(foot, all.nodes)) return;
+  if (is_whole(static_cast<double>(*greatest))) return light(0, 1, static_cast<double>(*greatest));
+  for (int column = column_of(from); column <= column_of(to); ++column) {
+    const double begins = std::max(from, left + column * width);
+    const double ends = std::min(to, left + (column + 1) * width);
+    if (begins < ends)
+      light((begins - from) / (to - from), (ends - from) / (to - from),
+            static_cast<double>(all.roofs[column]));
+  }
 }
 
 }  // namespace obliq

@@ -10,9 +10,9 @@
 
 namespace obliq {
 
-/// The corners of walls and ground in one azimuth bin (CornerTable), from pieces of walls' feet that
-/// sub-columns and strips see. The ground before a foot is taken for even: that half way along what takes
-/// part.
+/// The corners of walls and ground in one azimuth bin (CornerTable), as sub-columns and strips see them. What
+/// is before a wall's foot in the bin is worked out once, in the middle of the foot; how much of it is lit,
+/// for each sub-column.
 class CornerView {
  public:
   /// corners: null: none are wanted.
@@ -20,8 +20,25 @@ class CornerView {
 
   bool wanted() const { return table_ != nullptr; }
 
-  /// A piece of a wall's foot, so narrow that its light is one. Distances are ground distances from the
-  /// antenna, heights above it.
+  /// The sub-columns of a bin and the bearing of its centre.
+  struct Columns {
+    const SubColumns& all;
+    SinCos centre;
+  };
+  /// Bits of the edges of a part that are walls that may stand square enough to the sight. from, to: tangents
+  /// of the part.
+  std::uint64_t square_walls(const Columns& columns, const ConvexShape& part, float from, float to) const;
+
+  struct Wall {
+    std::uint32_t building;
+    std::uint8_t material;
+    std::uint32_t face;
+  };
+  /// Adds the corner of one of these, before the part hides anything.
+  void see(const Columns& columns, const ConvexShape& part, int edge, const Wall& wall);
+
+  /// What of a wall's foot lies in the bin. Distances are ground distances from the antenna, heights above
+  /// it.
   struct Foot {
     std::uint32_t face;
     std::uint8_t material;  ///< of the building
@@ -31,27 +48,30 @@ class CornerView {
     double distance_m;       ///< of its middle
     double left_m, right_m;  ///< of its ends
     double ground_m, roof_m;
-    double shade;  ///< greatest slope of what buildings before it hide
-    int plane;     ///< of the bin, whose profile has the shadows of the ground
+    int plane;  ///< of the bin, whose profile has the shadows of the ground
   };
-
-  /// The sub-columns of a bin and the bearing of its centre.
-  struct Columns {
-    const SubColumns& all;
-    SinCos centre;
-  };
-  /// Adds the corners of a part's walls (CornerView::add), before it hides anything. faces: of its edges.
-  void see(const Columns& columns, const ConvexShape& part, const std::uint32_t* faces,
-           std::uint8_t material);
-
-  /// Adds what the foot and the lit ground before it return.
-  void add(const Foot& foot, const NodeProfiles& nodes);
+  /// Looks at the ground before a foot; false: it returns nothing, whatever is lit of it.
+  bool begin(const Foot& foot, const NodeProfiles& nodes);
+  /// Whether buildings that hide all up to a slope leave all of the foot's light.
+  bool is_whole(double shade) const {
+    return foot_.distance_m * (-shade - down_) >= (-shade - rise_) * end_m_ && shade < -down_;
+  }
+  /// Adds what a part of that foot returns, from and to 0 to 1 across it, behind buildings that hide all up
+  /// to the slope `shade`.
+  void light(double from, double to, double shade);
 
   /// Gives the bin's to the sums: one scatterer a face, range bin and cell.
   void put(int profile, EchoCells& cells);
 
  private:
-  void see_foot(const Columns& columns, const ConvexShape& part, int edge, int column, Foot foot);
+  static constexpr int kMostPieces = 2;  ///< of the strip that level ground before a wall would give
+
+  /// A piece of the ground before the foot.
+  struct Piece {
+    double from_m, to_m;  ///< before it
+    double weight;        ///< cross section without reflectivity, for a metre and the foot's whole width
+    std::uint8_t ground;
+  };
   /// Parts of an echo: sums by `weight`, a cross section without reflectivity.
   struct Part {
     std::uint32_t face;
@@ -60,13 +80,20 @@ class CornerView {
     double weight, across, range_m;
     glm::dvec3 at_m;
   };
-  static double lit_m(const Foot& foot, const NodeProfiles& nodes, double most_m);
-  double mean_lobe(const Foot& foot, std::uint8_t ground, const CornerSight& sight,
-                   const FootSlope& slope) const;
-  void share_out(const Foot& foot, Part part);
+  bool lay_strip(double down, double across, double along);
+  double terrain_lit_m(const NodeProfiles& nodes, double most_m) const;
+  double mean_lobe(std::uint8_t ground, const CornerSight& sight, const FootSlope& slope) const;
+  void share_out(double from, double to, std::uint8_t ground, double weight);
 
   const ScenePlan& plan_;
   const CornerTable* table_;
+  // Of the foot at hand.
+  Foot foot_{};
+  double down_ = 0, rise_ = 0, across_ = 0;
+  double end_m_ = 0;  // of the ground's own light before it
+  double left_bin_ = 0, right_bin_ = 0;
+  Piece pieces_[2 * kMostPieces];
+  int n_pieces_ = 0;
   std::vector<Part> found_;
 };
 

@@ -192,10 +192,11 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
             return std::clamp(-wall.distance_m / slope, wall.nearest_m, wall.farthest_m);
           };
           const double half_rad = (strip.to_rad - strip.from_rad) / 2;
-          corners.add(
-              {step.wall, building.material, wall.normal_x, wall.normal_z, bearing, 2 * half_rad, near_m,
-               distance_m(-half_rad), distance_m(half_rad), foot * near_m, roof_m, strip.slope, plane},
-              columns.nodes);
+          if (corners.begin(
+                  {step.wall, building.material, wall.normal_x, wall.normal_z, bearing, 2 * half_rad, near_m,
+                   distance_m(-half_rad), distance_m(half_rad), foot * near_m, roof_m, plane},
+                  columns.nodes))
+            corners.light(0, 1, strip.slope);
         }
         sampler_.set_turn(turn_rad(cells.table(), building.material, wall.distance_m / near_m));
         sampler_.visible({near_m, 0, 0, 1, low * near_m, roof_m, wall.distance_m, step.wall,
