@@ -73,7 +73,7 @@ obliq_pose read(const wire::Pose& from) {
 template <class Request>
 Status read_planes(unsigned planes, unsigned allowed_beside, Request& request) {
   const unsigned beside = planes & kNoPlanes;
-  if ((planes & wire::kEveryPlane) == 0 || (planes & ~(wire::kEveryPlane | kNoPlanes)) != 0)
+  if ((planes & wire::kBinPlanes) == 0 || (planes & ~(wire::kBinPlanes | kNoPlanes)) != 0)
     return bad("planes: found " + std::to_string(planes) + "; allowed: a sum of obliq_planes");
   if ((beside & ~allowed_beside) != 0)
     return bad("planes: found OBLIQ_LIVE_TARGETS; allowed: of obliq_render() alone");
@@ -247,7 +247,7 @@ int obliq_subscribe(obliq_client* client, const char* radar, double rate_hz, uns
     // Frames that arrive before the answer are still of the subscription before.
     Status status = client->client.subscribe(request);
     if (status.ok())
-      client->frames.watch(request.radar(), static_cast<wire::PlaneSet>(planes & wire::kEveryPlane));
+      client->frames.watch(request.radar(), static_cast<wire::PlaneSet>(planes & wire::kBinPlanes));
     return status;
   });
 }
@@ -270,7 +270,7 @@ int obliq_render(obliq_client* client, const char* radar, const obliq_pose* pose
     if (Status status = read_planes(planes, kNoPlanes, request); !status.ok()) return status;
     request.set_live_targets((planes & OBLIQ_LIVE_TARGETS) != 0);
     Status status = client->client.render_once(request);
-    const auto wanted = static_cast<wire::PlaneSet>(planes & wire::kEveryPlane);
+    const auto wanted = static_cast<wire::PlaneSet>(planes & wire::kBinPlanes);
     if (status.ok()) client->frames.of_request[request.request_id()] = wanted;
     if (status.ok() && request_id != nullptr) *request_id = request.request_id();
     return status;

@@ -28,6 +28,7 @@ constexpr std::size_t kMostTargets = 100 * std::size_t{wire::kMaxTargetRecords};
 // frame's beginning is less than a megabyte.
 constexpr int kMostAzimuths = 1 << 14;
 constexpr int kMostRanges = 1 << 24;
+constexpr int kMostPulses = 1 << 12;
 constexpr std::uint8_t kNoMaterial = 255;
 
 Status bad(std::string text) { return Status::failure(Outcome::bad_stream, std::move(text)); }
@@ -52,7 +53,7 @@ Status FrameAssembler::expect(std::uint64_t n_azimuth, std::uint64_t n_range) {
   bins_expected_ = 0;
   for (int i = 0; i < wire::kPlanes; ++i) {
     const auto plane = static_cast<wire::Plane>(i);
-    if (!(planes_ & wire::plane_bit(plane))) continue;
+    if (!(planes_ & wire::kBinPlanes & wire::plane_bit(plane))) continue;
     bytes_expected_ += n_azimuth * n_range * wire::bytes_per_bin(plane);
     bins_expected_ += n_azimuth * n_range;
   }
@@ -153,10 +154,11 @@ Status FrameAssembler::on_block(const wire::MessageHeader& header, const wire::W
     return bad(fault);
   const wire::Plane plane = *wire::plane_from_number(block.plane());
   if (!(planes_ & wire::plane_bit(plane))) return {};
-  const auto place = place_of(block);
-  if (!place) return bad("a data block does not fit the frame");
   auto values = wire::plain_values(block, payload, scratch_);
   if (!values) return bad("a compressed data block is damaged");
+  if (plane == wire::Plane::pulses) return add_pulses(block, *values);
+  const auto place = place_of(block);
+  if (!place) return bad("a data block does not fit the frame");
   if (plane == wire::Plane::video && !values->empty()) {
     frame_.video_bits = wire::video_bits_of(block, payload.size());
     if (frame_.video_bits == 8) {
@@ -177,6 +179,51 @@ Status FrameAssembler::on_block(const wire::MessageHeader& header, const wire::W
   try {
     if (!allocated_ && has_arrived(kPartThatArrives)) allocate();
     keep(plane, *place, *values);
+  } catch (const std::bad_alloc&) {
+    return no_memory();
+  }
+  return {};
+}
+
+// Blocks of a train come in the order of its pulses, one train behind the other: memory follows what comes.
+Status FrameAssembler::add_pulses(const wire::WedgeBlock& block, std::span<const std::byte> values) {
+  const int n_pulses = frame_.descriptor->settings().doppler_pulses();
+  const auto bins = static_cast<std::uint64_t>(frame_.descriptor->settings().azimuth_bins());
+  const auto whole = static_cast<std::uint64_t>(std::max(0, n_pulses)) * window_.range.kept();
+  std::vector<AssembledTrain>& trains = frame_.trains;
+  if (trains.empty() || trains.back().iq.size() == whole) {
+    if (n_pulses < 1 || n_pulses > kMostPulses || trains.size() >= bins || block.n_azimuth() < 1 ||
+        std::uint64_t{block.first_azimuth()} + block.n_azimuth() > bins)
+      return bad("a train of pulses does not fit the frame");
+    AssembledTrain train;
+    train.first_azimuth = static_cast<int>(block.first_azimuth());
+    train.n_azimuth = static_cast<int>(block.n_azimuth());
+    train.n_pulses = n_pulses;
+    train.n_range = static_cast<int>(window_.range.kept());
+    train.period_ns.assign(block.pulse_period_ns().begin(), block.pulse_period_ns().end());
+    train.boresight_start_deg = block.boresight_start_deg();
+    train.boresight_rate_deg_s = block.boresight_rate_deg_s();
+    train.pose = std::make_shared<const wire::Pose>(block.pose());
+    trains.push_back(std::move(train));
+  }
+  AssembledTrain& train = trains.back();
+  const std::uint64_t n_range = window_.range.kept();
+  const wire::BinRun& range = window_.range;
+  const std::uint64_t first_range = std::uint64_t{range.first} + train.iq.size() % n_range * range.step;
+  const bool fits = block.first_azimuth() == static_cast<std::uint32_t>(train.first_azimuth) &&
+                    block.n_azimuth() == static_cast<std::uint32_t>(train.n_azimuth) &&
+                    block.first_pulse() == train.iq.size() / n_range && block.first_range() == first_range &&
+                    std::max(1u, block.range_step()) == range.step &&
+                    train.iq.size() + wire::values_of(block) <= whole &&
+                    (block.n_range() == n_range || block.n_pulses() == 1);
+  if (!fits) return bad("a block of pulses overlaps another or leaves a gap");
+  bytes_received_ += values.size();
+  if (bytes_received_ > max_bytes_)
+    return bad("the frame's pulses need more than " + std::to_string(max_bytes_) + " bytes");
+  try {
+    const std::size_t before = train.iq.size();
+    train.iq.resize(before + values.size() / sizeof(train.iq[0]));
+    if (!values.empty()) std::memcpy(train.iq.data() + before, values.data(), values.size());
   } catch (const std::bad_alloc&) {
     return no_memory();
   }
@@ -213,7 +260,8 @@ std::optional<std::uint64_t> FrameAssembler::values_missed(const wire::FrameEnd&
     for (std::uint32_t at = first; at < past; ++at) {
       for (int plane = 0; plane < wire::kPlanes; ++plane) {
         std::uint32_t& filled = filled_[plane][at];
-        if (!(planes_ & wire::plane_bit(static_cast<wire::Plane>(plane))) || filled != 0) continue;
+        if (!(planes_ & wire::kBinPlanes & wire::plane_bit(static_cast<wire::Plane>(plane))) || filled != 0)
+          continue;
         filled = static_cast<std::uint32_t>(frame_.n_range);
         values += filled;
       }
@@ -239,6 +287,11 @@ Status FrameAssembler::on_end(const wire::MessageHeader& header, const wire::Fra
   bins_expected_ -= *missed;
   if (bins_received_ != bins_expected_)
     return bad("the frame ended with " + std::to_string(bins_expected_ - bins_received_) + " values missing");
+  if (!frame_.trains.empty()) {
+    const AssembledTrain& last = frame_.trains.back();
+    if (last.iq.size() != static_cast<std::size_t>(last.n_pulses) * static_cast<std::size_t>(last.n_range))
+      return bad("the frame ended within a train of pulses");
+  }
   if (!allocated_) {  // as where nearly all of a pass was missed
     if (!has_arrived(kLeastPartOfPass)) {
       abort_reason_ = "the scanning antenna missed nearly all of it";

@@ -13,9 +13,23 @@
 namespace obliq::wire {
 class FrameDescriptor;
 class FrameSummary;
+class Pose;
 }  // namespace obliq::wire
 
 namespace obliq::client {
+
+/// A train of pulses: what the receiver gave out, pulse by pulse.
+struct AssembledTrain {
+  int first_azimuth = 0;  ///< of the whole frame's bins, that it was sent along
+  int n_azimuth = 0;
+  int n_pulses = 0;
+  int n_range = 0;
+  std::vector<double> period_ns;           ///< intervals from pulse to pulse, round and round
+  double boresight_start_deg = 0;          ///< at pulse 0, clockwise from the antenna's true north
+  double boresight_rate_deg_s = 0;         ///< clockwise
+  std::shared_ptr<const wire::Pose> pose;  ///< at the middle of the train
+  std::vector<std::complex<float>> iq;     ///< [n_pulses][n_range], descriptor.unit
+};
 
 /// A frame, or the window of it that was asked for (descriptor.window). Planes are [n_azimuth][n_range], the
 /// bins of the window; those not asked for are empty.
@@ -46,8 +60,9 @@ struct AssembledFrame {
   std::vector<std::uint8_t> returns;   ///< separate stretches of visible surface in the bin
   /// Where targets are, where truth was asked for. Of a pass in the order of its dwells.
   std::vector<wire::TargetRecord> targets;
-  std::vector<std::uint32_t> target;  ///< the strongest in the bin: the last 32 bits of its id; 0: none
-  int video_bits = 8;                 ///< of what was sent; without video means nothing
+  std::vector<AssembledTrain> trains;  ///< of a radar that gives out its pulses; of a pass one a dwell
+  std::vector<std::uint32_t> target;   ///< the strongest in the bin: the last 32 bits of its id; 0: none
+  int video_bits = 8;                  ///< of what was sent; without video means nothing
 };
 
 /// Puts the blocks of one stream together, one frame after the other, decodes them, and checks that every bin
@@ -85,6 +100,7 @@ class FrameAssembler : public FrameHandler {
   Status expect(std::uint64_t n_azimuth, std::uint64_t n_range);
   bool has_arrived(std::uint64_t part) const;
   Status no_memory() const;
+  Status add_pulses(const wire::WedgeBlock& block, std::span<const std::byte> values);
   void allocate();
   void keep(wire::Plane plane, const wire::Rectangle& place, std::span<const std::byte> values);
   std::optional<wire::Rectangle> place_of(const wire::WedgeBlock& block) const;

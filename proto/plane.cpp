@@ -5,6 +5,7 @@ namespace obliq::wire {
 std::uint32_t bytes_per_bin(Plane plane) {
   switch (plane) {
     case Plane::iq:
+    case Plane::pulses:
     case Plane::power:
       return 8;
     case Plane::count:
@@ -43,6 +44,8 @@ const char* plane_name(Plane plane) {
       return "state";
     case Plane::video:
       return "video";
+    case Plane::pulses:
+      return "pulses";
     case Plane::material:
       return "material";
     case Plane::building:

@@ -50,7 +50,12 @@ const char* compression_name(Compression compression) {
 
 std::uint32_t coded_bytes_per_bin(Plane plane, IqEncoding encoding, int video_bits) {
   if (plane == Plane::video) return video_bits == 8 ? 1 : 2;
-  return plane == Plane::iq && encoding == IqEncoding::ci16_le ? 4 : bytes_per_bin(plane);
+  return is_complex(plane) && encoding == IqEncoding::ci16_le ? 4 : bytes_per_bin(plane);
+}
+
+std::uint64_t values_of(const WedgeBlock& block) {
+  const std::uint64_t rows = block.plane() == PULSES ? block.n_pulses() : block.n_azimuth();
+  return rows * block.n_range();
 }
 
 int video_bits_of(const WedgeBlock& block, std::size_t payload_bytes) {
@@ -130,7 +135,7 @@ std::string fault_of_block(const WedgeBlock& block, std::size_t payload_bytes) {
   if (!compression)
     return "a data block in compression " + std::to_string(block.compression()) +
            "; allowed: 0 (none), 1 (zstd)";
-  const std::uint64_t bins = std::uint64_t{block.n_azimuth()} * block.n_range();
+  const std::uint64_t bins = values_of(block);
   const int video_bits = *plane == Plane::video ? video_bits_of(block, payload_bytes) : 0;
   const std::uint64_t bytes_a_bin = coded_bytes_per_bin(*plane, *encoding, video_bits);
   if (bins > kMaxPlaneBytes / bytes_a_bin)
@@ -150,8 +155,8 @@ std::string fault_of_block(const WedgeBlock& block, std::size_t payload_bytes) {
 std::optional<std::span<const std::byte>> plain_values(const WedgeBlock& block,
                                                        std::span<const std::byte> payload,
                                                        std::vector<std::byte>& scratch) {
-  const bool integers = block.plane() == IQ && block.iq_encoding() == CI16_LE;
-  const std::size_t bins = std::size_t{block.n_azimuth()} * block.n_range();
+  const bool integers = (block.plane() == IQ || block.plane() == PULSES) && block.iq_encoding() == CI16_LE;
+  const std::size_t bins = values_of(block);
   const std::size_t decoded_bytes = integers ? bins * sizeof(std::complex<float>) : 0;
   const std::size_t plain_bytes = block.compression() == ZSTD ? block.plain_bytes() : 0;
   scratch.resize(decoded_bytes + plain_bytes);

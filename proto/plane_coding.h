@@ -26,8 +26,12 @@ std::optional<Compression> compression_from_number(int number);
 const char* encoding_name(IqEncoding encoding);
 const char* compression_name(Compression compression);
 
-/// Bytes per bin before compression: as bytes_per_bin, but 4 for iq as ci16_le and 1 for video of 8 bits.
+/// Bytes per bin before compression: as bytes_per_bin, but 4 for iq and pulses as ci16_le and 1 for video of
+/// 8 bits.
 std::uint32_t coded_bytes_per_bin(Plane plane, IqEncoding encoding, int video_bits = 16);
+
+/// How many values a block holds: of its bins, or of pulses.
+std::uint64_t values_of(const WedgeBlock& block);
 
 /// Bits of a block's video values, 8 or 16, by its size; 0: of no such block.
 int video_bits_of(const WedgeBlock& block, std::size_t payload_bytes);

@@ -69,6 +69,7 @@ World load_world(const WorldSpec& spec, const Progress& progress) {
   load_buildings(world, spec, area, progress);
   scatter_prisms(world, spec, area, progress);
   world.buildings.trim();
+  world.buildings.corners = spec.corners;
   world.report.world_sum = world_sum(spec, world.report.dem_files);
   return world;
 }

@@ -63,6 +63,7 @@ struct BuildingSourceSpec {
   std::string unit;  ///< "", "m" or "ft": unit of bare numbers in the field
   double default_height_m = 8.0;
   std::uint8_t material = 1;
+  bool corners = false;  ///< as stated there: WorldSpec::corners is the scene's
 };
 
 struct PrismSpec {
@@ -96,10 +97,11 @@ struct WorldSpec {
   std::vector<BuildingSourceSpec> buildings;
   std::vector<PrismSpec> prisms;
   std::vector<SurfaceSpec> surfaces;  ///< applied in order; later ones win
-  double radius_factor = 4.0 / 3;     ///< effective earth; infinity: flat
-  LonLat origin;                      ///< scene origin: the first radar's position
-  std::vector<Reach> reaches;         ///< already with the 25 % margin
-  double sampling_footprint_m = 0;    ///< finest sampling any radar does on the ground, for auto cells
+  bool corners = false;             ///< of walls and the ground before them: they return (Buildings::corners)
+  double radius_factor = 4.0 / 3;   ///< effective earth; infinity: flat
+  LonLat origin;                    ///< scene origin: the first radar's position
+  std::vector<Reach> reaches;       ///< already with the 25 % margin
+  double sampling_footprint_m = 0;  ///< finest sampling any radar does on the ground, for auto cells
 };
 
 }  // namespace obliq

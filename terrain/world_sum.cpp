@@ -48,6 +48,7 @@ void add_buildings(CacheKey& key, std::vector<std::string>& files, const WorldSp
     key.add("default height", source.default_height_m);
     key.add("material", source.material);
   }
+  if (spec.corners) key.add("corners", 1);
   for (const PrismSpec& prisms : spec.prisms) {
     if (!prisms.within.empty()) add_source(files, prisms.within);
     add_places(key, "prisms", prisms.within_polygon);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "server/radar/echo/sea_clutter.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/units.h"
 
@@ -19,10 +20,14 @@ struct RenderedFrame {
 };
 
 std::shared_ptr<const FramePlan> plan_or_throw(const View& view) {
-  // What is compared are the ground's echoes: without receiver and weather.
+  // What is compared are the ground's echoes: without receiver and weather, but for
+  // what makes the sea.
   auto settings = std::make_shared<SettingsSnapshot>(*view.settings);
   settings->settings.receiver = {};
-  settings->settings.atmosphere = {};
+  settings->settings.atmosphere.rain_mm_h = 0;
+  settings->settings.atmosphere.gas = false;
+  settings->settings.sea.shape = 0;
+  if (!(sea_state(settings->settings) > 0)) settings->settings.atmosphere.wind_m_s = 0;
   const PlanResult planned = plan_frame(view.scene, settings, view.pose);
   if (!planned.plan) throw InputError(all_text(planned.errors));
   return planned.plan;

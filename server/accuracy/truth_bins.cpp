@@ -7,8 +7,10 @@
 #include <optional>
 
 #include "server/radar/beam/patterns.h"
+#include "server/radar/echo/sea_clutter.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/hash.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 
@@ -66,6 +68,10 @@ ReferenceView reference_view(const FramePlan& plan) {
   view.power_w = settings.power_w;
   view.gain = std::pow(10.0, settings.gain_db / 10);
   view.range_normalisation = settings.range_normalisation;
+  const AtmosphereSettings& air = settings.atmosphere;
+  view.sea = {sea_state(settings), settings.frequency_ghz, air.polarisation == Polarisation::vertical,
+              air.wind_m_s > 0, air.wind_from_deg * kDegree_rad + plan.pose().north_rad};
+  view.vertical = settings.atmosphere.polarisation == Polarisation::vertical;
   if (settings.beam.elevation == ElevationPattern::off) return view;
   // About the antenna's own vertical.
   const ElevationTable& table = plan.looks_at().antenna_gain().elevation();

@@ -1,5 +1,6 @@
 #include "server/control/doppler_faults.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -7,6 +8,7 @@
 #include "server/control/parameters.h"
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/doppler_response.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -24,6 +26,8 @@ std::string mode_name(const RadarSettings& s) {
       return "\"mti\"";
     case RadarMode::dbs:
       return "\"dbs\"";
+    case RadarMode::pulses:
+      return "\"pulses\"";
     default:
       return "\"sar\"";
   }
@@ -71,11 +75,31 @@ void check_image(const RadarSettings& s, std::vector<FieldError>& errors) {
                                    : std::string("a narrower sector"))});
 }
 
+void check_train(const RadarSettings& s, std::vector<FieldError>& errors) {
+  if (s.speckle == SpeckleKind::none)
+    errors.push_back({"radar.speckle", "\"none\" with radar.mode = \"pulses\"",
+                      "\"ground\", \"independent\" or \"auto\": pulses are sums of scatterers that turn"});
+  const auto& ratios = s.pulse.stagger;
+  const double shortest = ratios.empty() ? 1 : *std::ranges::min_element(ratios);
+  const double unambiguous_m = kSpeedOfLight_m_s / 2 * shortest / s.pulse.prf_hz;
+  if (s.r_max_m <= unambiguous_m) return;
+  std::string allowed = "radar.r_max_m = " + toml_number(std::floor(unambiguous_m));
+  const double most_hz = std::floor(1000 * kSpeedOfLight_m_s / 2 * shortest / s.r_max_m) / 1000;
+  if (most_hz >= limits_of("pulse.prf_hz").low)
+    allowed = "at most " + toml_number(most_hz) + " Hz, or " + allowed;
+  errors.push_back({"pulse.prf_hz",
+                    toml_number(s.pulse.prf_hz) + " with radar.r_max_m = " + toml_number(s.r_max_m) +
+                        (ratios.empty() ? "" : " and a pulse.stagger of " + toml_number(shortest)) +
+                        ": the next pulse is sent before the last gate",
+                    allowed});
+}
+
 }  // namespace
 
 void check_doppler(const RadarSettings& s, std::vector<FieldError>& errors) {
   if (!errors.empty() || !uses_doppler(s)) return;
   if (s.mode == RadarMode::sar) return check_image(s, errors);
+  if (s.mode == RadarMode::pulses) check_train(s, errors);
   // Without a beam a canceller still works, bin by bin, while the antenna stands.
   const bool works_by_bin = s.mode == RadarMode::mti && s.scan_mode == ScanMode::frame;
   if (s.beam.pattern == BeamPattern::off && !works_by_bin)

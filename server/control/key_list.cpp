@@ -54,7 +54,7 @@ std::vector<KeyText> all_keys() {
   add<Target>(list, KeyGroup::list, "target.", {target_rows()});
   add<TargetConfig>(list, KeyGroup::list, "target.", {target_config_rows()});
   add<RoutePoint>(list, KeyGroup::list, "target.route.", {route_rows()});
-  add<MaterialKeys>(list, KeyGroup::material, "materials.NAME.", {material_rows()});
+  add<MaterialKeys>(list, KeyGroup::material, "materials.NAME.", {material_rows(), material_special_keys()});
   return list;
 }
 

@@ -49,6 +49,7 @@ SceneConfig load(ConfigNode root, const std::filesystem::path& path, const LoadO
   read_list(scene, kBuildings);
   read_list(scene, kPrisms);
   read_list(scene, kSurfaces);
+  settle_corners(scene);
   mark_used_materials(config);
   read_target_types(scene);
   read_targets(scene);
@@ -84,6 +85,22 @@ std::string radar_name(const ConfigNode& table) {
   return text != nullptr ? *text : RadarConfig{}.name;
 }
 
+/// Tables go into the table of their name, or into each table of a list of that name.
+void merge_into_lists(ConfigNode& root, const ConfigNode& patch) {
+  for (const ConfigNode& section : patch.items) {
+    ConfigNode* list = root.find(section.key);
+    const auto is_table = [](const ConfigNode& node) { return node.kind == Kind::table; };
+    if (is_table(section) && list != nullptr && list->kind == Kind::array &&
+        std::ranges::all_of(list->items, is_table)) {
+      for (ConfigNode& item : list->items) merge(item, section);
+    } else {
+      ConfigNode one;
+      one.items = {section};
+      merge(root, one);
+    }
+  }
+}
+
 /// Lays a nested patch over the tree. The radar sections go into every radar's own table (or the named
 /// one's), where they beat what the file says for all.
 bool lay_over(ConfigNode& root, const ConfigNode& patch, const std::string& only_radar) {
@@ -106,7 +123,7 @@ bool lay_over(ConfigNode& root, const ConfigNode& patch, const std::string& only
       found = true;
     }
   }
-  if (only_radar.empty()) merge(root, for_all);
+  if (only_radar.empty()) merge_into_lists(root, for_all);
   return found || only_radar.empty();
 }
 
@@ -259,9 +276,9 @@ std::string print_config(const SceneConfig& config) {
          ", complete. Live: changes with the next frame. Reload: read again at SIGHUP. Restart: read once, "
          "at "
          "start.\n" +
-         printed_sections(config) + printed_list(kBuildings, config) + printed_list(kPrisms, config) +
-         printed_list(kSurfaces, config) + printed_radars(config) + printed_targets(config) +
-         printed_materials(config);
+         printed_sections(config) + printed_list(kBuildings, config) + printed_corners(config) +
+         printed_list(kPrisms, config) + printed_list(kSurfaces, config) + printed_radars(config) +
+         printed_targets(config) + printed_materials(config);
 }
 
 double loaded_radius_m(double r_max_m) { return kReachMargin * r_max_m; }

@@ -9,6 +9,8 @@
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/canceller.h"
 #include "server/radar/doppler/wind.h"
+#include "server/radar/pulses/pulse_times.h"
+#include "server/radar/pulses/render_train.h"
 #include "server/radar/simd/exact_math.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"
@@ -152,6 +154,37 @@ ReportRow image_row(const FramePlan& plan) {
                     "noise is added up. "}})};
 }
 
+ReportRow train_row(const FramePlan& plan) {
+  const RadarSettings& s = plan.settings();
+  const PulseTimes times(s);
+  const double mean_s = times.pattern_s() / times.pattern();
+  const double beam_rad = narrowest_beam_rad(s);
+  const double across_m_s = plan.sum()->doppler->velocity().most_across_m_s(s.sector_deg * kDegree_rad);
+  const double unambiguous_m =
+      range_of_delay_m(*std::min_element(times.intervals_s().begin(), times.intervals_s().end()));
+  const double seen_m = farthest_seen_m(plan.scene(), plan.pose());
+  const double cells = cells_in_beam(s, beam_rad, across_m_s);
+  return {
+      "pulses",
+      text_of(
+          values("pulses"_is = s.doppler.pulses, "prf_hz"_is = 1 / mean_s,
+                 "train_ms"_is = 1000 * times.length_s(), "cells"_is = cells,
+                 "rows"_is = beam_rad / plan.sum()->row_rad(),
+                 "speed_m_s"_is = wavelength_at(s.frequency_ghz) / (2 * mean_s),
+                 "cell_m_s"_is = wavelength_at(s.frequency_ghz) / (2 * mean_s * s.doppler.pulses),
+                 "range_km"_is = unambiguous_m / 1000, "r_max_km"_is = s.r_max_m / 1000,
+                 "seen_km"_is = seen_m / 1000),
+          {{"pulses", true,
+            "{pulses:4} pulses at {prf_hz:.6g} Hz, {train_ms:.1f} ms: radial speeds are unambiguous over "
+            "{speed_m_s:.1f} m/s in cells of {cell_m_s:.2f} m/s. The ground in the beam has B = {cells:.1f} "
+            "cells, {rows:.1f} rows a beamwidth, B + 3 are needed. "},
+           {"pulses", unambiguous_m >= seen_m,
+            "Ranges are unambiguous to {range_km:.1f} km, and nothing is seen beyond {seen_km:.1f}. "},
+           {"pulses", unambiguous_m < seen_m,
+            "Ranges are unambiguous to {range_km:.1f} km (r_max is {r_max_km:.1f}), and ground is seen to "
+            "{seen_km:.1f}: what lies beyond comes back in the next pulses' time. "}})};
+}
+
 }  // namespace
 
 std::vector<ReportRow> doppler_rows(const FramePlan& plan) {
@@ -159,6 +192,7 @@ std::vector<ReportRow> doppler_rows(const FramePlan& plan) {
   if (plan.settings().mode == RadarMode::mti) rows.push_back(canceller_row(plan));
   if (plan.settings().mode == RadarMode::dbs) rows.push_back(sharpening_row(plan));
   if (plan.settings().mode == RadarMode::sar) rows.push_back(image_row(plan));
+  if (plan.settings().mode == RadarMode::pulses) rows.push_back(train_row(plan));
   for (ReportRow& row : rows)
     if (row.text.ends_with(' ')) row.text.pop_back();
   return rows;

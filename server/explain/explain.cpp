@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/explain/explanation.h"
+#include "server/explain/loaded_scene.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
 #include "server/radar/unsampled.h"
@@ -25,20 +26,6 @@ constexpr double kStandardEarth = 4.0 / 3;
 constexpr int kTimings = 3;  ///< of a frame; the quickest counts
 /// Cells of half the size are tried up to this many nodes, and half of the memory that is free.
 constexpr double kMostFineNodes = 0x1p25;
-
-/// A world with its ray-tracing structure, ready to render.
-struct LoadedScene {
-  std::shared_ptr<World> world;
-  std::shared_ptr<const Scene> scene;
-  Pose pose;
-  std::shared_ptr<const FramePlan> own;  ///< the scene's own frustum, sharp
-  Costs costs;
-
-  void take_down() {
-    own = nullptr;
-    scene = nullptr;
-  }
-};
 
 class Experiment {
  public:
@@ -166,8 +153,9 @@ class Experiment {
     probes_.emplace(*loaded.own, runs_);
     columns_factor_ = columns_factor(input_.settings, loaded.world->grid.cell_m);
     note_facts(*loaded.own);
-    all_steps_ +=
-        static_cast<int>(materials_used(*loaded.world).size()) + (result_.facts.buildings > 0 ? 2 : 0);
+    all_steps_ += static_cast<int>(materials_used(*loaded.world).size()) +
+                  (result_.facts.buildings > 0 ? 2 : 0) +
+                  (result_.facts.buildings > 0 && loaded.world->buildings.corners ? 1 : 0);
     power_w_ = power_by(loaded, source_);
     if (std::ranges::none_of(power_w_, [](double w) { return w > 0; }))
       fail("found no power in the bins; allowed: visible, reflecting ground in sector and range");
@@ -188,7 +176,9 @@ class Experiment {
     const auto power_of = [&](const RadarSettings& settings) { return power(loaded, settings); };
     result_.radar = radar_rows(input_.settings, air_view(loaded.own->looks_at()), power_of);
     const auto planned = plan(loaded, input_.settings);
+    append(result_.radar, sea_rows(*planned, air_view(loaded.own->looks_at())));
     append(result_.radar, doppler_rows(*planned));
+    append(result_.radar, corner_rows(*planned));
     if (input_.targets)
       append(result_.radar, target_rows(*planned, air_view(loaded.own->looks_at()), input_));
     RadarSettings own = sharp_settings(input_.settings);
@@ -278,7 +268,16 @@ class Experiment {
 
   /// No one else holds this world between two scenes: it may be changed.
   void compare_buildings(LoadedScene& loaded) {
-    if (loaded.world->buildings.list.empty()) return;
+    Buildings& buildings = loaded.world->buildings;
+    if (buildings.list.empty()) return;
+    if (buildings.corners)
+      compare(Ingredient::corners, "corners of walls", "none", [&](Comparison& c) {
+        loaded.take_down();
+        buildings.corners = false;
+        build(loaded, input_.materials);
+        finish(c, loaded, power_w_);
+        buildings.corners = true;
+      });
     compare(Ingredient::walls, "building walls", "roofs only", [&](Comparison& c) {
       if (!wall_fault_.empty()) throw InputError(wall_fault_);
       loaded.take_down();

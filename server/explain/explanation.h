@@ -19,7 +19,7 @@
 
 namespace obliq {
 
-enum class Ingredient { curvature, refraction, cell_size, walls, buildings, material, speckle };
+enum class Ingredient { curvature, refraction, cell_size, walls, corners, buildings, material, speckle };
 
 /// Time and memory of one scene.
 struct Costs {
@@ -114,6 +114,10 @@ std::vector<ReportRow> radar_rows(const RadarSettings& settings, const AirView& 
                                   const std::function<std::vector<double>(const RadarSettings&)>& power_of);
 /// What its mode makes of Doppler; none of a map.
 std::vector<ReportRow> doppler_rows(const FramePlan& plan);
+/// What water returns; none of a scene without any.
+std::vector<ReportRow> sea_rows(const FramePlan& plan, const AirView& air);
+/// What a house's wall returns with the ground before it; none where the scene has no corners.
+std::vector<ReportRow> corner_rows(const FramePlan& plan);
 /// From where on the ingredient matters: a closed form with this scene's own numbers.
 std::string threshold_text(const Comparison& comparison, const Explanation& explanation);
 

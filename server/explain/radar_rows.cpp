@@ -102,7 +102,9 @@ std::vector<ReportRow> radar_rows(const RadarSettings& s, const AirView& air,
   RadarSettings plain = s;  // mean echoes of 1 W and 0 dB
   plain.mode = RadarMode::map;
   plain.receiver = {};
-  plain.atmosphere = {};
+  plain.atmosphere.rain_mm_h = 0;
+  plain.atmosphere.gas = false;
+  plain.sea.shape = 0;
   plain.speckle = SpeckleKind::ground;
   plain.range_normalisation = false;
   plain.power_w = 1;

@@ -30,6 +30,14 @@ FrameCost rendering_cost(const RadarSettings& settings, wire::PlaneSet planes, c
   return cost;
 }
 
+/// Of these planes in one frame: of bins, and of its trains of pulses.
+std::int64_t plane_bytes(const RadarSettings& settings, wire::PlaneSet planes, const FrameCost& cost) {
+  const std::int64_t of_bins =
+      wire::bytes_per_bin(static_cast<wire::PlaneSet>(planes & wire::kBinPlanes)) * cost.bins;
+  if ((planes & wire::kPulsesPlane) == 0) return of_bins;
+  return of_bins + wire::bytes_per_bin(wire::Plane::pulses) * pulse_samples(settings);
+}
+
 std::string product(std::int64_t a, std::int64_t b) { return std::to_string(a) + " x " + std::to_string(b); }
 
 OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string& what,
@@ -42,20 +50,20 @@ OverLimit exceeds(const std::string& limit, std::int64_t most, const std::string
 FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = rendering_cost(settings, planes, options);
   cost.bytes +=
-      std::min(wire::bytes_per_bin(planes) * cost.bins, 2 * static_cast<std::int64_t>(options.slice_bytes));
+      std::min(plane_bytes(settings, planes, cost), 2 * static_cast<std::int64_t>(options.slice_bytes));
   return cost;
 }
 
 FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = rendering_cost(settings, planes, options);
-  cost.bytes += wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 1);
+  cost.bytes += plane_bytes(settings, planes, cost) * (options.queue_frames + 1);
   return cost;
 }
 
 FrameCost replay_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
-  cost.bytes = wire::bytes_per_bin(planes) * cost.bins * (options.queue_frames + 2);
+  cost.bytes = plane_bytes(settings, planes, cost) * (options.queue_frames + 2);
   return cost;
 }
 
@@ -73,6 +81,12 @@ std::optional<OverLimit> over_limit(const RadarSettings& settings, const FrameCo
     return exceeds("max_bins", options.max_bins, "the frame has " + std::to_string(cost.bins),
                    {"azimuth_bins x range_bins", product(settings.azimuth_bins, settings.range_bins),
                     "at most " + std::to_string(options.max_bins) + " bins in one frame"});
+  if (const std::int64_t samples = pulse_samples(settings); samples > options.max_bins)
+    return exceeds("max_bins", options.max_bins,
+                   "the frame's trains have " + std::to_string(samples) + " samples",
+                   {"doppler.pulses x range_bins x trains", std::to_string(samples) + " samples",
+                    "at most " + std::to_string(options.max_bins) +
+                        ": fewer pulses or range bins, or a longer scan.dwell_bins"});
   if (cost.pixels > options.max_pixels)
     return exceeds(
         "max_pixels", options.max_pixels, "the frame has " + std::to_string(cost.pixels),

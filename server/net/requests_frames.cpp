@@ -112,6 +112,9 @@ void Requests::render_once(const wire::RenderOnce& request) {
                       "a name of at most " + std::to_string(kMaxEchoedName) + " bytes"});
   StreamChoice choice;
   if (errors.empty()) choice = read_choice(request, settings.azimuth_bins, settings.range_bins, errors);
+  if (errors.empty() && (choice.planes & wire::kPulsesPlane) != 0 && settings.mode != RadarMode::pulses)
+    errors.push_back({"planes", wire::plane_names(choice.planes) + " of another radar.mode",
+                      "pulses with radar.mode = \"pulses\" alone"});
   choice.as_json = peer_.takes_json;
   // Truth of the request's own targets tells nothing that the client does not know.
   if (tells_truth(choice) && request.live_targets() && !demand_truth()) return;

@@ -11,6 +11,7 @@
 #include "server/accuracy/thresholds.h"
 #include "server/control/settings_message.h"
 #include "server/radar/doppler/doppler_warnings.h"
+#include "server/radar/echo/sea_warnings.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/unsampled.h"
@@ -39,6 +40,8 @@ const char* model_name(ScatteringModel model) {
       return "geometric_optics";
     case ScatteringModel::flat_plate:
       return "flat_plate";
+    case ScatteringModel::sea:
+      return "sea";
   }
   return "";
 }
@@ -112,6 +115,7 @@ void add_warnings(const FramePlan& plan, double off_origin_m, wire::FrameDescrip
   if (plan.sum() != nullptr && plan.sum()->doppler)
     for (const std::string& warning : doppler_warnings(plan.settings(), plan.sum()->doppler->velocity()))
       descriptor.add_warnings(warning);
+  for (const std::string& warning : sea_warnings(plan.looks_at())) descriptor.add_warnings(warning);
   const WorldFrame& frame = plan.scene().world().frame;
   for (const std::string& warning : {refraction_warning(plan), steep_beam_warning(plan)})
     if (!warning.empty()) descriptor.add_warnings(warning);

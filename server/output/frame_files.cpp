@@ -161,6 +161,14 @@ WrittenFrame write_frame_files(const std::filesystem::path& directory,
     files.add(file, [&](const auto& path) { write_npy(path, type, values, bins.n_azimuth, bins.n_range); });
     planes.emplace_back(plane);
   });
+  if (options.train != nullptr) {
+    const PulseTrain& train = *options.train;
+    files.add("pulses.npy",
+              [&](const auto& path) { write_npy(path, "<c8", train.iq, train.n_pulses, train.n_range); });
+    planes.emplace_back("pulses");
+  } else {
+    files.leave_out("pulses.npy");
+  }
   if (can_be_drawn(bins)) {
     written.scale = add_maps(files, descriptor, summary, bins, options);
   } else {

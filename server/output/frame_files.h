@@ -8,6 +8,7 @@
 
 #include "server/output/ground_map_png.h"
 #include "server/radar/bins.h"
+#include "server/radar/pulse_train.h"
 
 namespace obliq::wire {
 class FrameDescriptor;
@@ -25,6 +26,7 @@ void prepare_output_folder(const std::filesystem::path& directory);
 struct FrameFileOptions {
   PictureOptions picture;                   ///< ground_map.tif is always north up
   const SampleTextures* samples = nullptr;  ///< for samples.exr
+  const PulseTrain* train = nullptr;        ///< for pulses.npy, [pulses][range bins]
   /// World coordinates; ground_map.tif is placed by its heights. Without: as if all ground lay at one.
   const HeightGrid* ground = nullptr;
 };
@@ -34,11 +36,12 @@ struct WrittenFrame {
   std::optional<DbRange> scale;  ///< of the picture; none where there was nothing to see
 };
 
-/// Writes bins.npy, power.npy, count.npy, state.npy, video.npy and those of labels where they were asked for,
-/// ground_map.png, ground_map.tif and, last, frame.json into `directory` (created if missing): all of them
-/// or, where one cannot be written, none. A plane that `bins` does not have gives no file, and an older
-/// frame's file of that name goes. The one writer behind `obliq render` and `obliq get`: the same descriptor,
-/// summary and bins give the same files, bit for bit. Throws InputError that names the file.
+/// Writes bins.npy, power.npy, count.npy, state.npy, and where they were asked for video.npy, those of labels
+/// and pulses.npy, ground_map.png, ground_map.tif and, last, frame.json into `directory` (created if
+/// missing): all of them or, where one cannot be written, none. A plane that `bins` does not have gives no
+/// file, and an older frame's file of that name goes. The one writer behind `obliq render` and `obliq get`:
+/// the same descriptor, summary and bins give the same files, bit for bit. Throws InputError that names the
+/// file.
 WrittenFrame write_frame_files(const std::filesystem::path& directory,
                                const wire::FrameDescriptor& descriptor, const wire::FrameSummary& summary,
                                const BinBlock& bins, const FrameFileOptions& options = {});

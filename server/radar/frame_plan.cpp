@@ -31,7 +31,8 @@ EchoPlace place_of(const Scene& scene, const RadarSettings& settings, const Pose
   EchoPlace place;
   place.axes = axes_of(settings, pose.settings);
   if (uses_doppler(settings)) place.velocity = velocity_of(scene, settings, pose, place.axes);
-  if (settings.mode == RadarMode::mti && settings.atmosphere.wind_m_s > 0)
+  if ((settings.mode == RadarMode::mti || settings.mode == RadarMode::pulses) &&
+      settings.atmosphere.wind_m_s > 0)
     for (std::size_t id = 0; id < scene.materials().size(); ++id)
       if (scene.materials()[id].wind && scene.materials()[id].used)
         place.windy.push_back(static_cast<int>(id));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/radar/echo/sea_echo.h"
+#include "server/radar/echo/sea_texture.h"
 #include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
 #include "server/radar/rays/ray_samples.h"
@@ -154,7 +156,12 @@ std::unique_ptr<SampleSource> make_sample_source(const ScenePlan& plan, AzimuthR
 }
 
 FrameTables::FrameTables(const ScenePlan& plan)
-    : scattering(plan.scene().materials(), plan.wavelength_m()),
+    : scattering(
+          plan.scene().materials(), plan.wavelength_m(),
+          plan.scene().world().buildings.corners && plan.scene().world().buildings.walls
+              ? std::optional(CornerTable(plan.scene().materials(), plan.settings().atmosphere.polarisation))
+              : std::nullopt,
+          {sea_table(plan), sea_texture(plan)}),
       speckle(plan.scene().world(), plan.sector().antenna_m, plan.wavelength_m(), plan.bins().range_spacing_m,
               plan.bins().azimuth_width_rad, plan.settings().speckle_seed,
               {plan.bins(), 1 / plan.bins().azimuth_width_rad, plan.is_coherent_sum(),

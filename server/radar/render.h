@@ -9,6 +9,7 @@
 #include "server/radar/bins.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/geometry/pose.h"
+#include "server/radar/pulse_train.h"
 #include "server/radar/samples.h"
 #include "server/radar/settings.h"
 #include "server/radar/targets/target.h"
@@ -29,9 +30,10 @@ struct Wedge {
 };
 
 struct RenderOptions {
-  int threads = 0;                        ///< 0 = all cores
-  std::function<void(Wedge&&)> on_wedge;  ///< called as wedges finish, from any thread, one at a time
-  std::stop_token stop;                   ///< no further wedge is begun after a stop request
+  int threads = 0;                             ///< 0 = all cores
+  std::function<void(Wedge&&)> on_wedge;       ///< called as wedges finish, from any thread, one at a time
+  std::function<void(PulseTrain&&)> on_train;  ///< of a frame that was recorded, called between wedges
+  std::stop_token stop;                        ///< no further wedge is begun after a stop request
   bool iq = true;                   ///< false: nobody wants I&Q; the sweep leaves it 0, which is quicker
   bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker
   bool labels = false;              ///< whether they are wanted

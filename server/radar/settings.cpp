@@ -52,6 +52,13 @@ std::vector<FieldError> flat_plate_faults(const RadarSettings& settings,
            "\"oblique\" or \"symmetric\", whose rays they need, or another materials.NAME.model"}};
 }
 
+std::int64_t pulse_samples(const RadarSettings& s) {
+  if (s.mode != RadarMode::pulses) return 0;
+  const int dwell_bins = s.scan_mode == ScanMode::frame ? s.azimuth_bins : std::max(1, s.scan_dwell_bins);
+  const std::int64_t trains = (s.azimuth_bins + dwell_bins - 1) / dwell_bins;
+  return trains * s.doppler.pulses * s.range_bins;
+}
+
 RadarSettings sharp_settings(RadarSettings settings) {
   if (draws_speckle(settings) || settings.speckle == SpeckleKind::automatic)
     settings.speckle = SpeckleKind::ground;
@@ -59,7 +66,10 @@ RadarSettings sharp_settings(RadarSettings settings) {
   settings.beam = {};
   settings.pulse = {};
   settings.receiver = {};
-  settings.atmosphere = {};
+  // Polarisation and wind stay, by which the sea returns more or less; its texture is chance.
+  settings.atmosphere.rain_mm_h = 0;
+  settings.atmosphere.gas = false;
+  settings.sea.shape = 0;
   return settings;
 }
 
@@ -72,7 +82,10 @@ bool normalises_samples(const RadarSettings& settings) {
 }
 
 bool same_antenna(const RadarSettings& settings, PoseSettings a, const PoseSettings& b) {
-  a.sim_time_ns = b.sim_time_ns;
+  // The texture of the sea drifts with the wind.
+  const bool drifts = (settings.sea.state > 0 || settings.sea.state_auto) && settings.sea.shape > 0 &&
+                      settings.atmosphere.wind_m_s > 0;
+  if (!drifts) a.sim_time_ns = b.sim_time_ns;
   a.pose_id = b.pose_id;
   a.valid_s = b.valid_s;
   a.time_rate = b.time_rate;

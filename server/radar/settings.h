@@ -97,6 +97,14 @@ inline bool blurs(const RadarSettings& s) {
 /// Something is made of the bins' Doppler.
 inline bool uses_doppler(const RadarSettings& s) { return s.mode != RadarMode::map; }
 
+/// The bins are behind a filter over pulses. Those of a radar that gives out its pulses are a map's.
+inline bool has_doppler_filter(const RadarSettings& s) {
+  return uses_doppler(s) && s.mode != RadarMode::pulses;
+}
+
+/// Samples of the trains of one frame or pass; 0 of a radar that does not give out its pulses.
+std::int64_t pulse_samples(const RadarSettings& settings);
+
 /// The same radar as a map maker has it: bins as sharp as their edges, no pattern in elevation, speckle of
 /// scatterers. What sampling is judged by.
 RadarSettings sharp_settings(RadarSettings settings);

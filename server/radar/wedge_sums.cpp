@@ -8,8 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "server/radar/beam/echo_rows.h"
-#include "server/radar/beam/turned_wedge.h"
+#include "server/radar/beam/seen_rows.h"
 #include "server/radar/wedge_work.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/stage_clock.h"
@@ -62,28 +61,26 @@ class SharpSums : public WedgeSums {
   std::deque<Wedge> ready_;
 };
 
-class BeamSums : public WedgeSums {
+/// Behind a beam or a pulse: of rows of sharp bins.
+class RowSums : public WedgeSums {
  public:
-  BeamSums(const FramePlan& plan, int first, int end, const RenderOptions& options)
+  /// window, wedges: what is made of rows; outputs: the azimuths that it is.
+  RowSums(const FramePlan& plan, const RenderOptions& options, const RowWindow& window,
+          std::vector<int> wedges, AzimuthRange outputs, const SharpPlanes& planes)
       : plan_(plan),
         sum_(*plan.sum()),
         options_(options),
-        rows_(sum_, wedges_between(first, end)),
-        look_(wants_look(options, plan.settings())),
+        planes_(planes),
         look_key_(look_key(plan)),
-        planes_{options.iq && !sum_.draws(), look_ && sum_.speckle != SpeckleKind::independent,
-                options.states, options.labels || plan.needs_materials()} {
-    const int azimuth = first * kWedgeAzimuthBins;
-    outputs_ = {azimuth, std::min(end * kWedgeAzimuthBins, sum_.n_azimuth) - azimuth};
-    if (sum_.ground) ground_.emplace(sum_.ground->rows, rows_.sharp_wedges());
-    if (options.sharp) {
-      options.sharp->fit(sum_);
-      outputs_ = {0, sum_.n_azimuth};
-    }
+        rows_(sum_, window, std::move(wedges), planes, look_key_),
+        outputs_(outputs) {
+    if (options.sharp == nullptr) return;
+    options.sharp->fit(sum_);
+    outputs_ = {0, sum_.n_azimuth};  // now or in the next dwell
   }
 
-  int n_wedges() const override { return looks_at().n_sharp(); }
-  int wedge(int k) const override { return looks_at().sharp_wedge(k); }
+  int n_wedges() const override { return rows_.looks_at().n_sharp(); }
+  int wedge(int k) const override { return rows_.looks_at().sharp_wedge(k); }
   bool needs_iq() const override { return planes_.iq; }
 
   /// A beam that looks steeply down is wider on the ground, so that of the outer sharp wedges only what is
@@ -102,7 +99,7 @@ class BeamSums : public WedgeSums {
   bool take_kept(int wedge) override {
     SharpWedgePtr kept = options_.sharp ? options_.sharp->find(wedge, planes_) : nullptr;
     if (kept == nullptr) return false;
-    take_sharp(wedge, std::move(kept));
+    rows_.take(wedge, std::move(kept));
     return true;
   }
 
@@ -111,8 +108,28 @@ class BeamSums : public WedgeSums {
     auto sharp =
         std::make_shared<const SharpWedge>(sum_, std::move(wedge.bins), wedge.stats, planes_, look_key_);
     if (options_.sharp) options_.sharp->keep(wedge.index, planes_, sharp);
-    take_sharp(wedge.index, std::move(sharp));
+    rows_.take(wedge.index, std::move(sharp));
   }
+
+ protected:
+  const FramePlan& plan_;
+  const EchoPlan& sum_;
+  const RenderOptions& options_;
+  const SharpPlanes planes_;  // that the sums need
+  const std::uint64_t look_key_;
+  SeenRows rows_;
+
+ private:
+  AzimuthRange outputs_;  // that are made of the sharp wedges
+};
+
+/// The bins of a display.
+class BeamSums : public RowSums {
+ public:
+  BeamSums(const FramePlan& plan, int first, int end, const RenderOptions& options)
+      : RowSums(plan, options, *plan.sum(), wedges_between(first, end), azimuths_of(plan, first, end),
+                planes_of(plan, options)),
+        look_(wants_look(options, plan.settings())) {}
 
   bool next(std::unique_ptr<EchoSums>& buffers, Wedge& wedge) override {
     EchoRows::Ready ready;
@@ -139,28 +156,34 @@ class BeamSums : public WedgeSums {
     std::iota(wedges.begin(), wedges.end(), first);
     return wedges;
   }
-  const EchoRows& looks_at() const { return ground_ ? *ground_ : rows_; }
-
-  /// Of an antenna that is not stabilised: scan angles as soon as all that they see is there.
-  void take_sharp(int wedge, SharpWedgePtr sharp) {
-    if (!ground_) {
-      rows_.take(wedge, std::move(sharp));
-      return;
-    }
-    ground_->take(wedge, std::move(sharp));
-    for (EchoRows::Ready ready; ground_->next_ready(ready);)
-      rows_.take(ready.wedge, turned_wedge(sum_, ready, planes_, look_key_));
+  static AzimuthRange azimuths_of(const FramePlan& plan, int first, int end) {
+    const int azimuth = first * kWedgeAzimuthBins;
+    return {azimuth, std::min(end * kWedgeAzimuthBins, plan.sum()->n_azimuth) - azimuth};
+  }
+  static SharpPlanes planes_of(const FramePlan& plan, const RenderOptions& options) {
+    const EchoPlan& sum = *plan.sum();
+    return {options.iq && !sum.draws(),
+            wants_look(options, plan.settings()) && sum.speckle != SpeckleKind::independent, options.states,
+            options.labels || plan.needs_materials()};
   }
 
-  const FramePlan& plan_;
-  const EchoPlan& sum_;
-  const RenderOptions& options_;
-  EchoRows rows_;
-  std::optional<EchoRows> ground_;  // that rows_ are made from, where the antenna rolls
-  AzimuthRange outputs_;            // that are made of the sharp wedges, now or in the next dwell
-  const bool look_;                 // video of several looks is wanted
-  const std::uint64_t look_key_;
-  const SharpPlanes planes_;  // that the sums need
+  const bool look_;  // video of several looks is wanted
+};
+
+/// Rows alone.
+class PlainRows : public RowSums {
+ public:
+  PlainRows(const FramePlan& plan, const RowWindow& window, AzimuthRange azimuths,
+            const RenderOptions& options)
+      : RowSums(plan, options, window, {0}, azimuths,
+                {.iq = !plan.sum()->draws(), .labels = plan.needs_materials()}) {}
+
+  bool next(std::unique_ptr<EchoSums>&, Wedge&) override { return false; }
+  EchoRows::Ready ready() {
+    EchoRows::Ready ready;
+    rows_.next_ready(ready);
+    return ready;
+  }
 };
 
 }  // namespace
@@ -169,6 +192,16 @@ std::unique_ptr<WedgeSums> make_wedge_sums(const FramePlan& plan, int first, int
                                            const RenderOptions& options) {
   if (plan.sum() == nullptr) return std::make_unique<SharpSums>(plan, first, end, options);
   return std::make_unique<BeamSums>(plan, first, end, options);
+}
+
+std::optional<EchoRows::Ready> look_at_rows(const FramePlan& plan, const RowWindow& window,
+                                            AzimuthRange azimuths, const RenderOptions& options) {
+  RenderOptions quiet = options;
+  quiet.states = quiet.labels = quiet.video8 = quiet.video16 = false;
+  quiet.observer = nullptr;
+  PlainRows rows(plan, window, azimuths, quiet);
+  if (!look_at_wedges(plan, rows, quiet)) return std::nullopt;
+  return rows.ready();
 }
 
 }  // namespace obliq

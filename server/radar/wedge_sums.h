@@ -1,7 +1,9 @@
 #pragma once
 #include <limits>
 #include <memory>
+#include <optional>
 
+#include "server/radar/beam/echo_rows.h"
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
@@ -39,5 +41,13 @@ class WedgeSums {
 /// For the display's wedges [first, end). plan and options must outlive it.
 std::unique_ptr<WedgeSums> make_wedge_sums(const FramePlan& plan, int first, int end,
                                            const RenderOptions& options);
+
+/// Looks at all wedges of some sums, on several threads. False when stopped. (wedge_threads.cpp)
+bool look_at_wedges(const FramePlan& plan, WedgeSums& sums, const RenderOptions& options);
+
+/// Rows of sharp bins behind a beam, with the I&Q and the materials that sums over them need: azimuth 0 of a
+/// window of one. azimuths: of the plan, that they count for. Nothing when stopped.
+std::optional<EchoRows::Ready> look_at_rows(const FramePlan& plan, const RowWindow& window,
+                                            AzimuthRange azimuths, const RenderOptions& options);
 
 }  // namespace obliq

@@ -46,23 +46,22 @@ class Helpers {
 /// One call of render_wedges.
 class WedgeThreads {
  public:
-  WedgeThreads(const FramePlan& plan, int first_wedge, int end_wedge, const RenderOptions& options)
-      : plan_(plan),
-        options_(options),
-        tables_(plan.looks_at()),
-        sums_(make_wedge_sums(plan, first_wedge, end_wedge, options)) {
-    if (options.targets != nullptr)
-      targets_.emplace(
-          plan, air_view(plan.looks_at()), *options.targets,
-          AzimuthRange{first_wedge * kWedgeAzimuthBins, (end_wedge - first_wedge) * kWedgeAzimuthBins},
-          target_look(options));
+  WedgeThreads(const FramePlan& plan, WedgeSums& sums, const RenderOptions& options)
+      : plan_(plan), options_(options), tables_(plan.looks_at()), sums_(sums) {}
+
+  /// Targets among the echoes of these wedges.
+  void add_targets_of(int first_wedge, int end_wedge) {
+    targets_.emplace(
+        plan_, air_view(plan_.looks_at()), *options_.targets,
+        AzimuthRange{first_wedge * kWedgeAzimuthBins, (end_wedge - first_wedge) * kWedgeAzimuthBins},
+        target_look(options_));
   }
 
   /// False when stopped.
   bool run(int threads) {
     {
       Helpers helpers;
-      for (int t = 1; t < std::min(threads, sums_->n_wedges()); ++t)
+      for (int t = 1; t < std::min(threads, sums_.n_wedges()); ++t)
         helpers.add([this] { work_until_done(); });
       work_until_done();
     }
@@ -76,7 +75,7 @@ class WedgeThreads {
   void work_until_done() {
     const StageClock clock(options_.times);
     try {
-      WedgeWork work(plan_, tables_, options_.surfaces, sums_->needs_iq(),
+      WedgeWork work(plan_, tables_, options_.surfaces, sums_.needs_iq(),
                      options_.labels || plan_.needs_materials());
       while (go_on(work)) {
       }
@@ -90,13 +89,13 @@ class WedgeThreads {
   /// Look, echoes, beam and pulse, targets, receive: the next wedge that is to be looked at, and those for
   /// the display that are ready then. False when nothing is left, or nothing to go on for.
   bool go_on(WedgeWork& work) {
-    for (Wedge ready; !stopped() && !failed_ && sums_->next(work.sums, ready);) receive(std::move(ready));
+    for (Wedge ready; !stopped() && !failed_ && sums_.next(work.sums, ready);) receive(std::move(ready));
     const int k = next_++;
-    if (k >= sums_->n_wedges() || stopped() || failed_) return false;
-    const int index = sums_->wedge(k);
-    if (sums_->take_kept(index)) return true;
-    render_wedge(work, index, sums_->needed(index));
-    sums_->take(std::move(work.wedge));
+    if (k >= sums_.n_wedges() || stopped() || failed_) return false;
+    const int index = sums_.wedge(k);
+    if (sums_.take_kept(index)) return true;
+    render_wedge(work, index, sums_.needed(index));
+    sums_.take(std::move(work.wedge));
     return true;
   }
 
@@ -125,7 +124,7 @@ class WedgeThreads {
   const FramePlan& plan_;
   const RenderOptions& options_;
   const FrameTables tables_;
-  const std::unique_ptr<WedgeSums> sums_;
+  WedgeSums& sums_;
   std::optional<TargetEchoes> targets_;
   std::atomic<int> next_{0};
   std::atomic<bool> stopped_{false};
@@ -140,7 +139,14 @@ bool render_wedges(const FramePlan& plan, AzimuthRange azimuths, const RenderOpt
   const int first = azimuths.first / kWedgeAzimuthBins;
   const int end = std::min(wedge_count(plan.settings().azimuth_bins),
                            (azimuths.first + azimuths.count + kWedgeAzimuthBins - 1) / kWedgeAzimuthBins);
-  return WedgeThreads(plan, first, end, options).run(thread_count(options.threads));
+  const auto sums = make_wedge_sums(plan, first, end, options);
+  WedgeThreads threads(plan, *sums, options);
+  if (options.targets != nullptr) threads.add_targets_of(first, end);
+  return threads.run(thread_count(options.threads));
+}
+
+bool look_at_wedges(const FramePlan& plan, WedgeSums& sums, const RenderOptions& options) {
+  return WedgeThreads(plan, sums, options).run(thread_count(options.threads));
 }
 
 int thread_count(int threads) {

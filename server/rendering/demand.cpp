@@ -36,6 +36,10 @@ ReceivedPlanes needed_planes(const StreamChoice& choice, const RadarSettings& se
           video && choice.format.video_bits == 8, video && choice.format.video_bits == 16};
 }
 
+bool wants_pulses(const StreamChoice& choice, const RadarSettings& settings) {
+  return settings.mode == RadarMode::pulses && (choice.planes & wire::kPulsesPlane) != 0;
+}
+
 Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings) {
   Order order;
   std::set<StreamChoice> choices;
@@ -51,6 +55,8 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
     order.truth |= demand.choice.truth;
     order.video8 |= needed.video8;
     order.video16 |= needed.video16;
+    order.bins |= (demand.choice.planes & wire::kBinPlanes) != 0;
+    order.pulses |= wants_pulses(demand.choice, settings);
     if (demand.choice.planes & wire::plane_bit(wire::Plane::state)) order.states = true;
     if (demand.choice.planes & wire::kLabelPlanes) order.labels = true;
     if (demand.choice.planes & wire::kTargetPlane) order.target_ids = true;

@@ -33,6 +33,8 @@ struct Order {
   bool truth = false;
   bool video8 = false;
   bool video16 = false;
+  bool bins = false;                   ///< some plane of bins
+  bool pulses = false;                 ///< trains of pulses
   std::vector<AzimuthRange> azimuths;  ///< whole wedges, rising, apart from one another
 };
 
@@ -45,6 +47,9 @@ void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands);
 
 /// What a choice needs rendered.
 ReceivedPlanes needed_planes(const StreamChoice& choice, const RadarSettings& settings);
+
+/// Trains are asked for, of a radar that gives them out.
+bool wants_pulses(const StreamChoice& choice, const RadarSettings& settings);
 
 /// What a frame of such settings must hold for them. A window without a bin in the frame gets nothing.
 Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings);

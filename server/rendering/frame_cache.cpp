@@ -117,6 +117,11 @@ class FrameCache::Frame : public PlannedFrame {
     return frame_->truth(azimuths, options, noise_power_w);
   }
 
+  std::optional<RenderedTrain> render_train(const TrainLook& look,
+                                            const RenderOptions& options) const override {
+    return frame_->render_train(look, options);
+  }
+
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     const SharpPlanes planes{options.iq, wants_look(options, settings_->settings), options.states,
                              options.labels};

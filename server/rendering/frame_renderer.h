@@ -2,11 +2,13 @@
 // The radar pipeline as the render thread sees it: an interface, so that tests need no scene.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "proto/plane.h"
 #include "proto/target_record.h"
+#include "server/radar/pulses/render_train.h"
 #include "server/radar/receiver/weather.h"
 #include "server/radar/render.h"
 #include "server/radar/targets/target_echoes.h"
@@ -29,6 +31,11 @@ class PlannedFrame {
   virtual void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const = 0;
   /// As obliq::render_wedges.
   virtual bool render(AzimuthRange azimuths, const RenderOptions& options) const = 0;
+  /// As obliq::render_train, of a radar that gives out its pulses; nothing when stopped. Of a frame that was
+  /// recorded render() has them (RenderOptions::on_train), and this has none.
+  virtual std::optional<RenderedTrain> render_train(const TrainLook&, const RenderOptions&) const {
+    return RenderedTrain{};
+  }
   /// What targets render() adds to the echoes of the ground; null: none.
   virtual std::unique_ptr<const TargetEchoes> targets(AzimuthRange, const RenderOptions&) const {
     return nullptr;

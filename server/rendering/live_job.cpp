@@ -52,16 +52,27 @@ void LiveJob::render() {
   if (!plan()) return;
   BegunFrame& frame = *frame_;
   RenderOptions options = frame.render_options(start_.stop, *start_.view);
-  options.on_wedge = [&](Wedge&& wedge) {
-    if (frame.rendered.first_wedge_s == 0) frame.rendered.first_wedge_s = to_seconds(context_.now() - begun_);
-    frame.stats.add(wedge);
+  const auto take_dwell = [&] {
     if (const wire::WedgeBlock* dwell = frame.plan->dwell())
       frame.encoder.set_dwell(dwell->pose(), dwell->pose_received_ns(), dwell->pose_stale(),
                               dwell->beam_ns());
+  };
+  options.on_wedge = [&](Wedge&& wedge) {
+    if (frame.rendered.first_wedge_s == 0) frame.rendered.first_wedge_s = to_seconds(context_.now() - begun_);
+    frame.stats.add(wedge);
+    take_dwell();
     frame.send(frame.encoder.wedge(wedge.index, wedge.bins));
   };
+  options.on_train = [&](PulseTrain&& train) {
+    take_dwell();
+    frame.send(frame.encoder.train(train));
+  };
+  const bool replays = !context_.renderer.fixed().empty();
   for (const AzimuthRange& azimuths : azimuths_)
-    if (!frame.plan->render(azimuths, options)) return frame.send_abort(frame.plan->why_stopped());
+    if ((frame.bins || replays) && !frame.plan->render(azimuths, options))
+      return frame.send_abort(frame.plan->why_stopped());
+  if (frame.pulses && !replays && !frame.send_train({{0, frame.azimuth_bins}, 0}, options))
+    return frame.send_abort(frame.plan->why_stopped());
   frame.send_truth({0, frame.azimuth_bins}, options);
   end();
 }

@@ -237,6 +237,8 @@ BegunFrame::BegunFrame(LiveStream& stream_of, std::uint64_t id, std::unique_ptr<
       labels(order.labels),
       target_ids(order.target_ids),
       truth(order.truth),
+      bins(order.bins),
+      pulses(order.pulses),
       azimuth_bins(settings.azimuth_bins),
       targets(stream.context_.targets.get()),
       plan(std::move(planned)) {
@@ -261,6 +263,15 @@ void BegunFrame::send_truth(const AzimuthRange& azimuths, const RenderOptions& o
   if (!truth) return;
   const double noise_w = receiver ? receiver->noise_power_w() : 0;
   send({encoder.targets(azimuths, plan->truth(azimuths, options, noise_w))});
+}
+
+bool BegunFrame::send_train(const TrainLook& look, const RenderOptions& options) {
+  auto made = plan->render_train(look, options);
+  if (!made) return false;
+  // Where no bins are wanted it counts for the frame.
+  if (!bins) stats.add({look.azimuths.first / kWedgeAzimuthBins, {}, made->stats});
+  send(encoder.train(made->train));
+  return true;
 }
 
 void BegunFrame::send(std::vector<BlockPtr> blocks) const {

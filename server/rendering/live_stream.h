@@ -144,6 +144,8 @@ struct BegunFrame {
   RenderOptions render_options(const std::stop_token& stop, const LiveView& view) const;
   /// The world has moved on.
   void take_targets() { targets = stream.context_.targets.get(); }
+  /// A train along these azimuths, to those who asked. False when stopped.
+  bool send_train(const TrainLook& look, const RenderOptions& options);
   /// Where they are, to those who asked: of what has just been rendered with these options.
   void send_truth(const AzimuthRange& azimuths, const RenderOptions& options);
   /// FrameBegin, with the pose of `view`.
@@ -165,6 +167,8 @@ struct BegunFrame {
   bool labels = false;
   bool target_ids = false;
   bool truth = false;
+  bool bins = false;
+  bool pulses = false;
   int azimuth_bins = 0;
   TargetsPtr targets;  ///< in the world; null: none
   std::unique_ptr<PlannedFrame> plan;

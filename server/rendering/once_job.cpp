@@ -195,7 +195,9 @@ bool OnceJob::render_slice(Frame& frame) const {
                                   static_cast<std::size_t>(request.view.settings->settings.range_bins);
   const int wedges =
       static_cast<int>(std::clamp<std::size_t>(context_.options.slice_bytes / wedge_bytes, 1, 1u << 16));
-  const int count = std::min(wedges * kWedgeAzimuthBins, frame.end_azimuth - frame.next_azimuth);
+  int count = std::min(wedges * kWedgeAzimuthBins, frame.end_azimuth - frame.next_azimuth);
+  const bool has_bins = (request.choice.planes & wire::kBinPlanes) != 0;
+  if (!has_bins) count = frame.end_azimuth - frame.next_azimuth;
 
   const auto wants = [&](wire::Plane plane) { return (request.choice.planes & wire::plane_bit(plane)) != 0; };
   const ReceivedPlanes needed = needed_planes(request.choice, request.view.settings->settings);
@@ -214,12 +216,20 @@ bool OnceJob::render_slice(Frame& frame) const {
     for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins))
       frame.send(context_.events, block);
   };
-  if (!frame.plan->render({frame.next_azimuth, count}, options)) {
+  const auto stopped = [&] {
     frame.send(context_.events, frame.encoder->abort("the server has stopped rendering this frame"));
     return false;
-  }
+  };
+  if (has_bins && !frame.plan->render({frame.next_azimuth, count}, options)) return stopped();
   frame.next_azimuth += count;
   if (frame.next_azimuth < frame.end_azimuth) return true;
+  const RadarSettings& settings = request.view.settings->settings;
+  if (wants_pulses(request.choice, settings)) {
+    const auto made = frame.plan->render_train(train_of_frame(settings), options);
+    if (!made) return stopped();
+    if (!has_bins) frame.stats->add({0, {}, made->stats});
+    for (const BlockPtr& block : frame.encoder->train(made->train)) frame.send(context_.events, block);
+  }
   if (request.choice.truth) {
     const AzimuthRange all{0, request.view.settings->settings.azimuth_bins};
     const auto records = frame.plan->truth(all, options, frame.receiver->noise_power_w());

@@ -149,11 +149,16 @@ void ScanJob::leave_out(const Dwell& dwell) {
   scan_->next = dwell;
 }
 
+bool ScanJob::is_wanted(const AzimuthRange& azimuths) const {
+  const auto first = scan_->pass->wanted.begin() + azimuths.first / kWedgeAzimuthBins;
+  const auto end = first + wedges_of(azimuths);
+  return std::find(first, end, true) != end;
+}
+
 void ScanJob::miss(const Dwell& dwell) {
   const AzimuthRange azimuths = scan_->schedule.azimuths(dwell);
   Pass& pass = *scan_->pass;
-  const auto first = pass.wanted.begin() + azimuths.first / kWedgeAzimuthBins;
-  if (std::find(first, first + wedges_of(azimuths), true) == first + wedges_of(azimuths)) return;
+  if (!is_wanted(azimuths)) return;
   add_span(pass.missed, azimuths);
   ++pass.rendered.dwells_missed;
 }
@@ -198,7 +203,9 @@ std::vector<FieldError> ScanJob::plan_dwell(const LiveView& view) {
   const RadarSettings& settings = scan_->settings->settings;
   if (same_antenna(settings, view.pose, pass.planned_pose)) return {};
   // An antenna that rolls sees in each sharp bin what it saw in another.
-  if (!settings.beam.stabilised) scan_->sharp.clear();
+  // Rows that pulses add up have the phases of where they were looked at from.
+  if (!settings.beam.stabilised || (pass.pulses && resolved_speckle(settings) != SpeckleKind::independent))
+    scan_->sharp.clear();
   auto plan = context_.renderer.plan_again(*pass.plan, scan_->settings, view.pose);
   if (!plan.frame) return plan.errors;
   pass.plan = std::move(plan.frame);
@@ -221,7 +228,8 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
   options.sharp = &scan_->sharp;
   options.dwell = static_cast<std::uint64_t>(scan_->next.number);
   options.on_wedge = [&](Wedge&& wedge) { wedges.push_back(std::move(wedge)); };
-  if (!render_wanted(scan_->schedule.azimuths(scan_->next), options)) return false;
+  const AzimuthRange azimuths = scan_->schedule.azimuths(scan_->next);
+  if (pass.bins && !render_wanted(azimuths, options)) return false;
   const bool clockwise = scan_->schedule.is_clockwise(scan_->next.pass);
   std::ranges::sort(wedges, [&](const Wedge& a, const Wedge& b) {
     return clockwise ? a.index < b.index : a.index > b.index;
@@ -230,7 +238,11 @@ bool ScanJob::render_azimuths(const LiveView& view, const std::stop_token& stop)
     pass.stats.add(wedge);
     pass.send(pass.encoder.wedge(wedge.index, wedge.bins));
   }
-  pass.send_truth(scan_->schedule.azimuths(scan_->next), options);
+  if (pass.pulses && is_wanted(azimuths)) {
+    const double rate_deg_s = scan_->settings->settings.scan_rate_deg_s;
+    if (!pass.send_train({azimuths, clockwise ? rate_deg_s : -rate_deg_s}, options)) return false;
+  }
+  pass.send_truth(azimuths, options);
   const double render_s = to_seconds(Clock::now() - start);
   if (pass.rendered.first_wedge_s == 0) pass.rendered.first_wedge_s = render_s;
   pass.rendered.render_s += render_s;

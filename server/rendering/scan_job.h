@@ -36,6 +36,8 @@ class ScanJob : public Job {
   /// that will begin with `dwell`; whole passes between are skipped.
   void leave_out(const Dwell& dwell);
   void miss(const Dwell& dwell);
+  /// Some client asked for a part of these azimuths.
+  bool is_wanted(const AzimuthRange& azimuths) const;
   /// To the next dwell; at the edge the pass ends.
   void advance();
   std::vector<FieldError> begin_pass(const LiveView& view, const std::vector<Demand>& demands);

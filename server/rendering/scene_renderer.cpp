@@ -53,6 +53,10 @@ class PlannedSceneFrame : public PlannedFrame {
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     return render_wedges(*plan_, azimuths, options);
   }
+  std::optional<RenderedTrain> render_train(const TrainLook& look,
+                                            const RenderOptions& options) const override {
+    return obliq::render_train(scene_, *plan_, look, options);
+  }
   std::unique_ptr<const TargetEchoes> targets(AzimuthRange azimuths,
                                               const RenderOptions& options) const override {
     if (options.targets == nullptr) return nullptr;

@@ -3,13 +3,15 @@
 
 namespace obliq {
 
-enum class ScatteringModel { constant_gamma, geometric_optics, flat_plate };
+/// sea: with a sea state (RadarSettings) as it says, without one as constant gamma.
+enum class ScatteringModel { constant_gamma, geometric_optics, flat_plate, sea };
 
 /// How a surface scatters (PAPER.md, eq. 12). Ratios are linear, not dB. Unused members are ignored.
 struct Material {
   std::string name;
   ScatteringModel model = ScatteringModel::constant_gamma;
-  double gamma = 1;           ///< constant gamma: sigma0 / cos(theta); also the floor under geometric optics
+  double gamma = 1;  ///< constant gamma: sigma0 / cos(theta); also the floor under geometric optics, and a
+                     ///< sea without state
   double reflectivity = 0.5;  ///< |R|^2 at normal incidence, 0..1
   double rms_slope = 0.1;     ///< one-axis rms slope s
   double plate_tau = 1;       ///< flat plate: tau at normal incidence

@@ -44,6 +44,8 @@ std::span<const std::byte> plane_values(Plane plane, int video_bits, const BinBl
       return std::as_bytes(std::span(bins.labels.returns));
     case Plane::target:
       return std::as_bytes(std::span(bins.target));
+    case Plane::pulses:  // of trains
+      break;
   }
   return {};
 }
@@ -74,6 +76,12 @@ Rows rows_of(const BinRun& run, const BinBlock& bins) {
   const std::uint32_t begin = run.index_from(first);
   const std::uint32_t end = run.index_from(first + static_cast<std::uint64_t>(bins.n_azimuth));
   return {run.first + begin * run.step, end - begin};
+}
+
+/// Whether a run keeps any of these azimuth bins.
+bool meets(const BinRun& run, const AzimuthRange& azimuths) {
+  const auto first = static_cast<std::uint64_t>(azimuths.first);
+  return run.index_from(first) < run.index_from(first + static_cast<std::uint64_t>(azimuths.count));
 }
 
 int wedges_of(const BinRun& run) {
@@ -177,33 +185,65 @@ std::vector<BlockPtr> FrameEncoder::begin(const wire::FrameDescriptor& descripto
 std::vector<BlockPtr> FrameEncoder::wedge(int wedge_index, const BinBlock& bins) {
   std::vector<BlockPtr> blocks;
   echo_->set_wedge_index(static_cast<std::uint32_t>(wedge_index));
-  for (const Product& product : products_) make(product, bins, blocks);
+  for (const Product& product : products_) {
+    if (product.plane == Plane::pulses) continue;
+    const Rows rows = rows_of(product.window.azimuth, bins);
+    if (rows.n == 0) continue;
+    const BinRun& azimuth = product.window.azimuth;
+    echo_->set_azimuth_step(azimuth.step == 1 ? 0 : azimuth.step);
+    const Source source{plane_values(product.plane, product.format.video_bits, bins),
+                        rows.first_bin - static_cast<std::uint32_t>(bins.first_azimuth), azimuth.step, rows.n,
+                        static_cast<std::size_t>(bins.n_range)};
+    make(product, source, *echo_, blocks, [&](std::uint32_t first, std::uint32_t n) {
+      echo_->set_first_azimuth(rows.first_bin + first * azimuth.step);
+      echo_->set_n_azimuth(n);
+    });
+  }
   return blocks;
 }
 
-void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vector<BlockPtr>& blocks) {
-  const Rows rows = rows_of(product.window.azimuth, bins);
+std::vector<BlockPtr> FrameEncoder::train(const PulseTrain& train) {
+  std::vector<BlockPtr> blocks;
+  wire::WedgeBlock message = *echo_;
+  message.set_wedge_index(static_cast<std::uint32_t>(train.azimuths.first / kWedgeAzimuthBins));
+  message.set_azimuth_step(0);
+  message.set_first_azimuth(static_cast<std::uint32_t>(train.azimuths.first));
+  message.set_n_azimuth(static_cast<std::uint32_t>(train.azimuths.count));
+  message.mutable_pulse_period_ns()->Assign(train.period_ns.begin(), train.period_ns.end());
+  message.set_boresight_start_deg(train.boresight_start_deg);
+  message.set_boresight_rate_deg_s(train.boresight_rate_deg_s);
+  const Source source{std::as_bytes(std::span(train.iq)), 0, 1, static_cast<std::uint32_t>(train.n_pulses),
+                      static_cast<std::size_t>(train.n_range)};
+  for (const Product& product : products_) {
+    if (product.plane != Plane::pulses || !meets(product.window.azimuth, train.azimuths)) continue;
+    make(product, source, message, blocks, [&](std::uint32_t first, std::uint32_t n) {
+      message.set_first_pulse(first);
+      message.set_n_pulses(n);
+    });
+  }
+  return blocks;
+}
+
+void FrameEncoder::make(const Product& product, const Source& source, wire::WedgeBlock& message,
+                        std::vector<BlockPtr>& blocks, const PlaceRows& place) {
   const BinRun& range = product.window.range;
   const std::uint32_t n_range = range.kept();
-  if (rows.n == 0) return;
 
   // The kept bins as rows without gaps: where all of a row is kept they lie so already.
   const int video_bits = product.format.video_bits;
   const std::size_t bin_bytes =
       wire::coded_bytes_per_bin(product.plane, wire::IqEncoding::cf32_le, video_bits);
-  const std::size_t source_row_bytes = static_cast<std::size_t>(bins.n_range) * bin_bytes;
+  const std::size_t source_row_bytes = source.row_values * bin_bytes;
   const std::size_t row_bytes = n_range * bin_bytes;
-  std::span<const std::byte> values = plane_values(product.plane, video_bits, bins);
-  const std::size_t first_row = rows.first_bin - static_cast<std::uint32_t>(bins.first_azimuth);
-  if (row_bytes == source_row_bytes && product.window.azimuth.step == 1) {
-    values = values.subspan(first_row * row_bytes, rows.n * row_bytes);
+  std::span<const std::byte> values = source.values;
+  if (row_bytes == source_row_bytes && source.step == 1) {
+    values = values.subspan(source.first_row * row_bytes, source.n_rows * row_bytes);
   } else {
-    picked_.resize(rows.n * row_bytes);
+    picked_.resize(source.n_rows * row_bytes);
     std::byte* to = picked_.data();
-    for (std::uint32_t row = 0; row < rows.n; ++row) {
-      const std::byte* from = values.data() +
-                              (first_row + row * product.window.azimuth.step) * source_row_bytes +
-                              range.first * bin_bytes;
+    for (std::uint32_t row = 0; row < source.n_rows; ++row) {
+      const std::byte* from =
+          values.data() + (source.first_row + row * source.step) * source_row_bytes + range.first * bin_bytes;
       if (range.step == 1) {
         std::memcpy(to, from, row_bytes);
         to += row_bytes;
@@ -215,39 +255,37 @@ void FrameEncoder::make(const Product& product, const BinBlock& bins, std::vecto
     values = picked_;
   }
 
-  const bool integers = product.plane == Plane::iq && product.format.iq == wire::IqEncoding::ci16_le;
+  const bool integers = wire::is_complex(product.plane) && product.format.iq == wire::IqEncoding::ci16_le;
   const std::uint32_t coded_bin_bytes =
       wire::coded_bytes_per_bin(product.plane, product.format.iq, video_bits);
-  echo_->set_plane(static_cast<wire::PlaneKind>(product.plane));
-  echo_->set_iq_encoding(integers ? wire::CI16_LE : wire::CF32_LE);
-  echo_->set_azimuth_step(product.window.azimuth.step == 1 ? 0 : product.window.azimuth.step);
-  echo_->set_range_step(range.step == 1 ? 0 : range.step);
-  for (const wire::Rectangle& part : cut(coded_bin_bytes, rows.n, n_range)) {
+  message.set_plane(static_cast<wire::PlaneKind>(product.plane));
+  message.set_iq_encoding(integers ? wire::CI16_LE : wire::CF32_LE);
+  message.set_range_step(range.step == 1 ? 0 : range.step);
+  for (const wire::Rectangle& part : cut(coded_bin_bytes, source.n_rows, n_range)) {
     // Whole rows or a part of a single one: either way contiguous.
     const std::size_t n_bins = std::size_t{part.n_azimuth} * part.n_range;
     const std::size_t first = std::size_t{part.first_azimuth} * n_range + part.first_range;
     std::span<const std::byte> plain = values.subspan(first * bin_bytes, n_bins * bin_bytes);
-    echo_->set_scale(0);
+    message.set_scale(0);
     if (integers) {
       coded_.resize(n_bins * coded_bin_bytes);
       const std::span iq(reinterpret_cast<const std::complex<float>*>(plain.data()), n_bins);
-      echo_->set_scale(wire::encode_ci16(iq, coded_, iq_step_));
+      message.set_scale(wire::encode_ci16(iq, coded_, iq_step_));
       plain = coded_;
     }
     const bool compresses = product.format.compression == wire::Compression::zstd;
     const std::vector<std::byte> compressed = compresses ? wire::compress(plain) : std::vector<std::byte>();
-    echo_->set_compression(compressed.empty() ? wire::UNCOMPRESSED : wire::ZSTD);
-    echo_->set_plain_bytes(compressed.empty() ? 0 : static_cast<std::uint32_t>(plain.size()));
-    echo_->set_first_azimuth(rows.first_bin + part.first_azimuth * product.window.azimuth.step);
-    echo_->set_n_azimuth(part.n_azimuth);
-    echo_->set_first_range(range.first + part.first_range * range.step);
-    echo_->set_n_range(part.n_range);
-    echo_->set_send_ns(monotonic_ns());
+    message.set_compression(compressed.empty() ? wire::UNCOMPRESSED : wire::ZSTD);
+    message.set_plain_bytes(compressed.empty() ? 0 : static_cast<std::uint32_t>(plain.size()));
+    place(part.first_azimuth, part.n_azimuth);
+    message.set_first_range(range.first + part.first_range * range.step);
+    message.set_n_range(part.n_range);
+    message.set_send_ns(monotonic_ns());
     auto block = new_block(MessageType::wedge_block);
     block->planes = wire::plane_bit(product.plane);
     block->format = product.format;
     blocks.push_back(
-        finish(std::move(block), product.as_json, *echo_, compressed.empty() ? plain : compressed));
+        finish(std::move(block), product.as_json, message, compressed.empty() ? plain : compressed));
   }
 }
 

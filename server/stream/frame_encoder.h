@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "proto/target_record.h"
+#include "server/radar/pulse_train.h"
 #include "server/radar/render.h"
 #include "server/stream/live_frames.h"
 
@@ -52,6 +54,8 @@ class FrameEncoder {
   std::vector<BlockPtr> begin(const wire::FrameDescriptor& descriptor);
   /// The planes of a wedge, each cut into blocks of at most wire::kMaxPlaneBytes.
   std::vector<BlockPtr> wedge(int wedge_index, const BinBlock& bins);
+  /// A train of pulses, cut likewise.
+  std::vector<BlockPtr> train(const PulseTrain& train);
   /// Where targets are, of all azimuths or of a dwell's; at most wire::kMaxTargetRecords.
   BlockPtr targets(const AzimuthRange& azimuths, std::span<const wire::TargetRecord> records);
   /// missed: azimuth bins of a pass that were not rendered.
@@ -71,7 +75,18 @@ class FrameEncoder {
   std::shared_ptr<Block> new_block(wire::MessageType type);
   BlockPtr finish(std::shared_ptr<Block> block, bool as_json, const google::protobuf::Message& message,
                   std::span<const std::byte> values = {});
-  void make(const Product& product, const BinBlock& bins, std::vector<BlockPtr>& blocks);
+  /// Rows of values: every step-th from the first on.
+  struct Source {
+    std::span<const std::byte> values;
+    std::size_t first_row;
+    std::uint32_t step;
+    std::uint32_t n_rows;
+    std::size_t row_values;
+  };
+  /// Says in a block's message which of a source's rows it holds.
+  using PlaceRows = std::function<void(std::uint32_t first, std::uint32_t n)>;
+  void make(const Product& product, const Source& source, wire::WedgeBlock& message,
+            std::vector<BlockPtr>& blocks, const PlaceRows& place);
 
   FrameIdentity identity_;
   std::uint64_t& sequence_;

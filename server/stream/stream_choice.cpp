@@ -69,7 +69,7 @@ StreamChoice read(const Request& request, int azimuth_bins, int range_bins, std:
 
 BlockFormat BlockFormat::of_plane(wire::Plane plane) const {
   BlockFormat format = *this;
-  if (plane != wire::Plane::iq) format.iq = wire::IqEncoding::cf32_le;
+  if (!wire::is_complex(plane)) format.iq = wire::IqEncoding::cf32_le;
   if (plane != wire::Plane::video) format.video_bits = 8;
   return format;
 }

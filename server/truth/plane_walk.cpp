@@ -32,6 +32,7 @@ PlaneWalk::PlaneWalk(const World& world, const SightedBuildings& sighted, const 
 void PlaneWalk::walk(double bearing_rad, int azimuth_bin, PlaneStrips& strips) {
   strips.lit.clear();
   strips.alone.clear();
+  strips.feet.clear();
   const auto bearing = static_cast<long double>(bearing_rad);
   plane_ = {std::sin(bearing), std::cos(bearing)};
   rate_u_ = plane_.sin_bearing / world_.grid.cell_m;
@@ -147,26 +148,28 @@ void PlaneWalk::cross_outlines(long double d, const GroundLine& ground, PlaneStr
     const OutlineCrossing& crossing = crossings_[next_crossing_];
     Crossed& crossed = crossed_[crossing.owner];
     crossed.inside = !crossed.inside;
-    if (crossed.inside) entered_.push_back({crossing.owner, crossing.cos_to_plane});
+    if (crossed.inside)
+      entered_.push_back({crossing.owner, crossing.cos_to_plane, crossing.normal_x, crossing.normal_z});
   }
   walls(d, ground, strips);
 }
 
 /// Walls of the footprints that the plane enters at d, from the surface before it up, the lower roof first.
 void PlaneWalk::walls(long double d, const GroundLine& ground, PlaneStrips& strips) {
-  std::stable_sort(entered_.begin(), entered_.end(), [&](const auto& a, const auto& b) {
-    return crossed_[a.first].roof_h < crossed_[b.first].roof_h;
+  std::stable_sort(entered_.begin(), entered_.end(), [&](const Entered& a, const Entered& b) {
+    return crossed_[a.owner].roof_h < crossed_[b.owner].roof_h;
   });
+  if (world_.buildings.corners && !entered_.empty()) foot(d, ground, entered_.front(), strips);
   bool low_known = top_known_;
   long double low = top_h_;
   if (ground.known && (!low_known || ground.at(d) > low)) {
     low = ground.at(d);
     low_known = true;
   }
-  for (const auto& [owner, cos_to_plane] : entered_) {
-    Crossed& crossed = crossed_[owner];
+  for (const Entered& entered : entered_) {
+    Crossed& crossed = crossed_[entered.owner];
     if (!crossed.inside) continue;  // entered and left at a corner
-    const double distance = static_cast<double>(d) * cos_to_plane;
+    const double distance = static_cast<double>(d) * entered.cos_to_plane;
     const auto building = static_cast<std::int32_t>(crossed.building);
     const long double foot = ground.known ? std::max(crossed.base_h, ground.at(d)) : crossed.base_h;
     if (foot < crossed.roof_h)
@@ -177,6 +180,23 @@ void PlaneWalk::walls(long double d, const GroundLine& ground, PlaneStrips& stri
     low = crossed.roof_h;
     low_known = true;
   }
+}
+
+/// The foot of a wall at d, where the ground before it is lit up to it.
+void PlaneWalk::foot(long double d, const GroundLine& ground, const Entered& entered,
+                     PlaneStrips& strips) const {
+  const Crossed& crossed = crossed_[entered.owner];
+  if (!crossed.inside || !ground.known || !(ground.at(d) < crossed.roof_h)) return;
+  const auto d_m = static_cast<double>(d);
+  double near_m = d_m;
+  for (auto strip = strips.lit.rbegin(); strip != strips.lit.rend(); ++strip) {
+    if (strip->building != kGroundStrip || std::fabs(strip->d1_m - near_m) > 1e-9 * d_m) break;
+    near_m = strip->d0_m;
+  }
+  if (near_m == d_m) return;
+  strips.feet.push_back({d_m, static_cast<double>(ground.at(d)), static_cast<double>(crossed.roof_h),
+                         d_m - near_m, entered.normal_x, entered.normal_z,
+                         static_cast<std::int32_t>(crossed.building), crossed.material});
 }
 
 void PlaneWalk::roof(const Crossed& crossed, ExactHorizon& horizon, long double from, long double to,

@@ -2,6 +2,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/truth/corner_integral.h"
 #include "server/truth/sighted_buildings.h"
 #include "server/truth/strip_integral.h"
 
@@ -9,8 +10,9 @@ namespace obliq {
 
 /// What the antenna sees in one vertical plane.
 struct PlaneStrips {
-  std::vector<Strip> lit;    ///< outwards
-  std::vector<Strip> alone;  ///< of each building as if nothing but it and the ground under it were there
+  std::vector<Strip> lit;     ///< outwards
+  std::vector<LitFoot> feet;  ///< of walls, where the world has corners
+  std::vector<Strip> alone;   ///< of each building as if nothing but it and the ground under it were there
 };
 
 /// Walks vertical planes outwards from the antenna. Holds buffers: one walker a thread.
@@ -39,6 +41,12 @@ class PlaneWalk {
     double raster_gamma = 1;
     long double at(long double d) const { return h0 + rise * (d - d0); }
   };
+  /// A building whose footprint the plane enters: index into crossed_, and the wall.
+  struct Entered {
+    std::size_t owner;
+    double cos_to_plane;
+    double normal_x, normal_z;
+  };
   /// What a strip belongs to.
   struct Surface {
     double plane_distance_m;
@@ -52,6 +60,7 @@ class PlaneWalk {
   GroundLine ground_between(long double from, long double to) const;
   void cross_outlines(long double d, const GroundLine& ground, PlaneStrips& strips);
   void walls(long double d, const GroundLine& ground, PlaneStrips& strips);
+  void foot(long double d, const GroundLine& ground, const Entered& entered, PlaneStrips& strips) const;
   void surface(long double from, long double to, const GroundLine& ground, std::vector<Strip>& lit);
   void roof(const Crossed& crossed, ExactHorizon& horizon, long double from, long double to,
             std::vector<Strip>& out);
@@ -68,7 +77,7 @@ class PlaneWalk {
   std::vector<OutlineCrossing> crossings_;
   std::size_t next_crossing_ = 0;
   std::vector<Crossed> crossed_;
-  std::vector<std::pair<std::size_t, double>> entered_;  // index into crossed_, the wall's |n . e|
+  std::vector<Entered> entered_;
   ExactHorizon horizon_;
   bool top_known_ = false;  // the surface's height just before the current distance
   long double top_h_ = 0;

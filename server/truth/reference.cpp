@@ -112,11 +112,13 @@ std::vector<PlaneSpot> place_planes(const SightedBuildings& sighted, int azimuth
 class BinIntegrator {
  public:
   BinIntegrator(const World& world, const SightedBuildings& sighted, const ReferenceView& view,
-                const ReferenceSampling& sampling, const StripIntegral& integral)
+                const ReferenceSampling& sampling, const StripIntegral& integral,
+                const CornerIntegral& corners)
       : sighted_(sighted),
         view_(view),
         planes_per_bin_(sampling.planes_per_bin),
         integral_(integral),
+        corners_(corners),
         walk_(world, sighted, view) {}
 
   /// ground_w, building_w: [n_range] of this azimuth bin, zero at first. facets may be null.
@@ -127,22 +129,30 @@ class BinIntegrator {
     for (const PlaneSpot& spot : place_planes(sighted_, azimuth, width_rad, planes_per_bin_)) {
       const double bearing_rad = view_.bearing_rad - view_.sector_rad / 2 + spot.from_start_rad;
       walk_.walk(bearing_rad, azimuth, strips_);
-      for (const Strip& strip : strips_.lit) {
-        shares_.clear();
-        integral_.add(strip, bearing_rad, spot.width_rad, shares_);
+      const auto take_shares = [&](std::int32_t of) {
         for (const BinShare& share : shares_) {
           if (facets != nullptr && share.power_w > 0)
-            facets->push_back({share.range_bin, strip.building != kGroundStrip, share.power_w,
+            facets->push_back({share.range_bin, of != kGroundStrip, share.power_w,
                                share.sine_w / share.power_w, share.height_w / share.power_w});
-          if (strip.building == kGroundStrip) {
+          if (of == kGroundStrip) {
             ground_w[share.range_bin] += share.power_w;
             continue;
           }
-          const auto building = static_cast<std::uint32_t>(strip.building);
+          const auto building = static_cast<std::uint32_t>(of);
           building_w[share.range_bin] += share.power_w;
           power_by_bin_w[{building, share.range_bin}] += share.power_w;
           seen[building].visible_sr += share.solid_angle_sr;
         }
+        shares_.clear();
+      };
+      shares_.clear();
+      for (const Strip& strip : strips_.lit) {
+        integral_.add(strip, bearing_rad, spot.width_rad, shares_);
+        take_shares(strip.building);
+      }
+      for (const LitFoot& foot : strips_.feet) {
+        corners_.add(foot, bearing_rad, spot.width_rad, shares_);
+        take_shares(foot.building);
       }
       for (const Strip& strip : strips_.alone) {
         shares_.clear();
@@ -164,6 +174,7 @@ class BinIntegrator {
   const ReferenceView& view_;
   int planes_per_bin_;
   const StripIntegral& integral_;
+  const CornerIntegral& corners_;
   PlaneWalk walk_;
   PlaneStrips strips_;
   std::vector<BinShare> shares_;
@@ -219,10 +230,11 @@ ReferenceBins integrate_reference(const World& world, const std::vector<Material
 
   const SightedBuildings sighted(world.buildings, view, first_azimuth, n_azimuth);
   check_antenna(world, sighted, sighted.in_bin(first_azimuth), view.antenna_m);
-  const StripIntegral integral(materials, view, sampling.step_m);
+  const StripIntegral integral(world, materials, view, sampling.step_m);
+  const CornerIntegral corners(world, materials, view, sampling.step_m / 4);
   std::vector<BinBuildings> by_bin(static_cast<std::size_t>(n_azimuth));
   share_out(n_azimuth, sampling.threads, progress, [&] {
-    return [&, integrator = BinIntegrator(world, sighted, view, sampling, integral)](int a) mutable {
+    return [&, integrator = BinIntegrator(world, sighted, view, sampling, integral, corners)](int a) mutable {
       const std::size_t row = static_cast<std::size_t>(a) * n_range;
       by_bin[static_cast<std::size_t>(a)] =
           integrator.run(first_azimuth + a, bins.ground_w.data() + row, bins.building_w.data() + row,

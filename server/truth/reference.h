@@ -23,6 +23,10 @@
 // where t is length along the strip, p the antenna's distance from the strip's line and D that from its plane
 // in space: grazing ground and walls seen edge-on stay finite.
 //
+// Where the world has corners, a wall whose foot is lit returns with the lit ground before it, at the range
+// of the foot (CornerIntegral, CornerTable): along the direction that the wall mirrors, in steps of step_m
+// / 4.
+//
 // Planes never straddle a corner of a building: a bin is first split at the bearings of its buildings'
 // corners, each stretch into as many equal parts as keep the planes' spacing. So a narrow building is never
 // missed.
@@ -39,6 +43,7 @@
 #include <vector>
 
 #include "server/scene/materials.h"
+#include "server/truth/sea_truth.h"
 #include "terrain/base/parallel.h"
 #include "terrain/world.h"
 
@@ -57,10 +62,12 @@ struct ReferenceView {
   double power_w = 1;
   double gain = 1;                   ///< one-way power gain, linear
   bool range_normalisation = false;  ///< leaves 1 / r^4 out
+  bool vertical = false;             ///< polarisation, of corners
   /// What a pattern in elevation does to power there and back, by the sine of elevation about the world's
   /// vertical and the world bearing. Empty: 1.
   std::function<double(double sin_elevation, double bearing_rad)> two_way_gain;
   bool keeps_facets = false;  ///< ReferenceBins::facets
+  SeaView sea;
 };
 
 struct ReferenceSampling {

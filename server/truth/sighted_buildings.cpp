@@ -119,7 +119,10 @@ bool SightedBuildings::cross(std::uint32_t building, const AzimuthPlane& plane, 
         continue;
       }
       const long double length = std::hypot(qx - px, qz - pz);
-      crossings.push_back({d, static_cast<double>(std::fabs(q_right - p_right) / length), owner});
+      const long double side = q_right > p_right ? 1 : -1;  // the normal's, of (qz - pz, px - qx)
+      crossings.push_back({d, static_cast<double>(std::fabs(q_right - p_right) / length),
+                           static_cast<double>(side * (qz - pz) / length),
+                           static_cast<double>(side * (px - qx) / length), owner});
     }
   }
   return antenna_inside;

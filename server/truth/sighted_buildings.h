@@ -15,9 +15,10 @@ struct AzimuthPlane {
 
 /// A plane enters or leaves a footprint.
 struct OutlineCrossing {
-  long double d_m;      ///< ground distance, > 0
-  double cos_to_plane;  ///< |n . e|: of the wall's horizontal normal and the plane's direction
-  std::size_t owner;    ///< as given to cross()
+  long double d_m;            ///< ground distance, > 0
+  double cos_to_plane;        ///< |n . e|: of the wall's horizontal normal and the plane's direction
+  double normal_x, normal_z;  ///< of the wall: unit, towards the antenna
+  std::size_t owner;          ///< as given to cross()
 };
 
 /// Buildings by azimuth bin. Immutable.

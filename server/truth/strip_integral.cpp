@@ -44,7 +44,8 @@ struct StripIntegral::Line {
   double t_at_range(double r_m) const { return std::sqrt(std::max(0.0, (r_m - p_m) * (r_m + p_m))); }
 };
 
-StripIntegral::StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m)
+StripIntegral::StripIntegral(const World& world, const std::vector<Material>& materials,
+                             const ReferenceView& view, double step_m)
     : scattering_(materials, view.wavelength_m),
       range_constant_(view.power_w * view.gain * view.gain * view.wavelength_m * view.wavelength_m /
                       std::pow(4 * std::numbers::pi, 3)),
@@ -54,7 +55,13 @@ StripIntegral::StripIntegral(const std::vector<Material>& materials, const Refer
       spacing_m_((view.r_max_m - view.r_min_m) / view.range_bins),
       n_range_(view.range_bins),
       range_normalisation_(view.range_normalisation),
-      two_way_gain_(view.two_way_gain) {}
+      two_way_gain_(view.two_way_gain),
+      frame_(world.frame),
+      antenna_m_(view.antenna_m),
+      sea_(view.sea) {
+  for (const Material& material : materials)
+    is_sea_.push_back(sea_.state > 0 && material.model == ScatteringModel::sea && material.gamma > 0);
+}
 
 void StripIntegral::add(const Strip& strip, double bearing_rad, double width_rad,
                         std::vector<BinShare>& shares) const {
@@ -98,12 +105,18 @@ BinShare StripIntegral::integrate(const Strip& strip, const Line& line, double f
     const double r_m = std::sqrt(r2);
     const double d_m = line.foot_d_m + t_m * line.d_per_t;
     const double projected_area_m2 = d_m * line.width_rad * step_m * line.p_m / r_m;
-    const double sigma_m2 =
-        strip.raster_gamma < 0
-            ? -strip.raster_gamma * projected_area_m2
-            : strip.raster_gamma * scattering_.cross_section_m2(strip.material, projected_area_m2,
-                                                                std::min(1.0, strip.plane_distance_m / r_m));
-    const double sine = (line.foot_h_m + t_m * line.h_per_t) / r_m;
+    const double height_m = line.foot_h_m + t_m * line.h_per_t;
+    double sigma_m2 = scattering_.cross_section_m2(strip.material, projected_area_m2,
+                                                   std::min(1.0, strip.plane_distance_m / r_m));
+    if (strip.building == kGroundStrip && is_sea_[strip.material])
+      sigma_m2 =
+          projected_area_m2 * sea_gamma(sea_, frame_, antenna_m_,
+                                        antenna_m_ + glm::dvec3(d_m * std::sin(line.bearing_rad), height_m,
+                                                                d_m * std::cos(line.bearing_rad)));
+    // Below 0 it takes the material's place.
+    sigma_m2 =
+        strip.raster_gamma < 0 ? -strip.raster_gamma * projected_area_m2 : strip.raster_gamma * sigma_m2;
+    const double sine = height_m / r_m;
     double power_w = range_constant_ * (range_normalisation_ ? sigma_m2 : sigma_m2 / (r2 * r2));
     if (two_way_gain_) power_w *= two_way_gain_(sine, line.bearing_rad);
     share.power_w += power_w;

@@ -4,6 +4,7 @@
 
 #include "server/radar/echo/scattering.h"
 #include "server/truth/reference.h"
+#include "server/truth/sea_truth.h"
 
 namespace obliq {
 
@@ -62,10 +63,11 @@ struct BinShare {
   double solid_angle_sr;
 };
 
-/// Integrates the radar equation over strips. Immutable; the view must outlive it.
+/// Integrates the radar equation over strips. Immutable; world and view must outlive it.
 class StripIntegral {
  public:
-  StripIntegral(const std::vector<Material>& materials, const ReferenceView& view, double step_m);
+  StripIntegral(const World& world, const std::vector<Material>& materials, const ReferenceView& view,
+                double step_m);
 
   /// Appends one share for every range bin the strip lies in; twice when the range falls and rises again.
   /// bearing_rad: of the strip's plane; width_rad: azimuth that it stands for.
@@ -84,6 +86,10 @@ class StripIntegral {
   int n_range_;
   bool range_normalisation_;
   const std::function<double(double, double)>& two_way_gain_;
+  std::vector<bool> is_sea_;  // [material]
+  const WorldFrame& frame_;
+  const glm::dvec3 antenna_m_;
+  const SeaView sea_;
 };
 
 }  // namespace obliq

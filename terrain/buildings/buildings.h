@@ -77,6 +77,7 @@ struct Buildings {
   std::vector<std::uint32_t> part_wall;  ///< face of the wall from this corner to the next; kNoFace: an inner
                                          ///< edge, which is no wall
   bool walls = true;                     ///< false: roofs alone have triangles, for a comparison
+  bool corners = false;                  ///< of walls with the ground before them: they return
 
   std::span<const glm::vec2> ring(std::uint32_t r) const {
     return std::span(ring_xz_m).subspan(ring_start[r], ring_start[r + 1] - ring_start[r]);

@@ -177,6 +177,29 @@ void WholeSweepFrame(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
+/// A frame of open sea on one thread: 0: as its material, 1: with a state's mean, 2: with texture too.
+void OpenSea(benchmark::State& state) {
+  static const auto scene = [] {
+    std::vector<Material> materials = test::two_materials();
+    materials[0].model = ScatteringModel::sea;
+    materials[0].gamma = 1e-4;
+    return test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 40000, 60)), materials);
+  }();
+  RadarSettings settings;
+  settings.frustum = FrustumKind::sweep;
+  settings.sea.state = state.range(0) > 0 ? 3 : 0;
+  settings.sea.shape = state.range(0) > 1 ? 1 : 0;
+  settings.atmosphere.wind_m_s = 8;
+  const auto plan =
+      plan_frame(scene, test::snapshot(settings), test::pose_over_origin(scene->world(), 1000)).plan;
+  for (auto _ : state) {
+    RenderOptions options;
+    options.threads = 1;
+    options.on_wedge = [](Wedge&&) {};
+    render_wedges(*plan, {0, plan->settings().azimuth_bins}, options);
+  }
+}
+
 /// Scattering and binning of made-up samples spread over one wedge.
 void Binning(benchmark::State& state) {
   const auto plan = plan_of(FrustumKind::oblique, static_cast<SpeckleKind>(state.range(0)));
@@ -238,6 +261,7 @@ constexpr auto kNearest = static_cast<std::int64_t>(PlateKind::nearest);
 constexpr auto kMarch = static_cast<std::int64_t>(RayMethod::march);
 constexpr auto kEmbree = static_cast<std::int64_t>(RayMethod::embree);
 
+BENCHMARK(OpenSea)->ArgName("sea")->DenseRange(0, 2)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(PlanFrame)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(RayGeneration)
     ->ArgName("frustum")

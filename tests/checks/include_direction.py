@@ -13,7 +13,7 @@ import tempfile
 # other way. Where a folder holds both what is below and what is above its rooms, files are named one by one:
 # the longest name that fits decides.
 BASE = ["terrain/base"]
-WORDS = ["server/radar/bins", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled",
+WORDS = ["server/radar/bins", "server/radar/pulse_train", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled",
     "server/radar/receiver_settings", "server/radar/doppler_settings"]
 R = "server/radar/"
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
@@ -54,7 +54,8 @@ ALLOWED = {
     "server/radar/frame_plan": TO_PLAN,
     "server/radar/visibility": TO_PLAN,
     "server/radar/echo": TO_PLAN,
-    "server/radar/echo/scattering": ["terrain", "server/scene/materials", R + "simd/exact_math", R + "simd/cross_section"],
+    "server/radar/echo/corners": ["terrain", "server/scene/materials", R + "receiver_settings", R + "simd/exact_math"],
+    "server/radar/echo/scattering": ["terrain", "server/scene/materials", R + "echo/corners", R + "simd/exact_math", R + "simd/cross_section"],
     "server/radar/rays/ray_batch": TO_GEOMETRY,
     "server/radar/rays/plates": TO_PLATES,
     "server/radar/rays": TO_PLATES + [R + "rays/plates"],
@@ -63,7 +64,7 @@ ALLOWED = {
     "server/radar/targets": TO_PLAN + [R + "receiver/weather"],
     "server/radar": ["terrain", "server/scene"],
     # The truth shares no code with the pipeline but the material functions.
-    "server/truth": ["terrain", "server/scene/materials", "server/radar/echo/scattering"],
+    "server/truth": ["terrain", "server/scene/materials", "server/radar/echo/corners", "server/radar/echo/scattering"],
     "server/ground_query": SERVER_CORE + ["proto"],
     "server/accuracy": SERVER_CORE + ["server/truth"],
     "server/explain": SERVER_CORE + ["server/accuracy"],

@@ -47,7 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace obliq;
   const wire::Bytes bytes = fuzz::stream_of(data, size);
 
-  client::FrameAssembler frames(wire::kAllPlanes, kMostFrameBytes);
+  client::FrameAssembler frames(wire::kEveryPlane, kMostFrameBytes);
   std::span<const std::byte> left(bytes);
   while (!left.empty()) {
     wire::MessageView view;

@@ -47,8 +47,6 @@ void write_patterns() {
 
 // ---- The stream ----
 
-constexpr char kMended = 1;  // CRCs are put right
-
 void write_streams() {
   const test::MadeRecording made = test::made_recording();
   write_seed("recording", "whole", kMended + made.bytes);
@@ -76,6 +74,7 @@ void write_streams() {
   test::add_frame(coded, 2, sequence_of_coded, true, "main", 1, {choice});
   write_seed("framing", "coded", kMended + coded.bytes);
   write_seed("recording", "coded", kMended + coded.bytes);
+  write_trains();
 }
 
 // ---- Requests ----

@@ -23,6 +23,11 @@ std::string request(wire::MessageType type, const Message& message, bool second_
   return bytes + descriptor;
 }
 
+constexpr char kMended = 1;  ///< first byte of a stream whose CRCs are put right
+
+/// A stream of pulses.
+void write_trains();
+
 /// Those about targets; once: a RenderOnce that is good.
 void write_target_requests(const wire::RenderOnce& once);
 

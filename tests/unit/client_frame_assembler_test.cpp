@@ -104,6 +104,90 @@ TEST(FrameAssembler, WhatAPassMissedIsNotSampled) {
   EXPECT_EQ(pass.frames.frame().missed, (std::vector<std::pair<int, int>>{{8, 8}, {16, 8}}));
 }
 
+/// A frame of trains alone, each value telling where it belongs.
+struct Trains {
+  static constexpr int kPulses = 20;
+  explicit Trains(int n_range = 32, const wire::Window& window = {},
+                  wire::IqEncoding iq = wire::IqEncoding::cf32_le)
+      : n_range(n_range), frames(wire::kPulsesPlane) {
+    StreamChoice choice;
+    choice.planes = wire::kPulsesPlane;
+    choice.format = {.iq = iq, .window = window};
+    encoder = std::make_unique<FrameEncoder>(
+        FrameIdentity{.stream_id = 9, .frame_id = 4, .choices = {choice}}, sequence);
+    wire::FrameDescriptor message = descriptor(24, n_range);
+    message.mutable_settings()->set_doppler_pulses(kPulses);
+    EXPECT_TRUE(feed(frames, *encoder->begin(message).front()).ok());
+  }
+  std::vector<BlockPtr> blocks(int first_azimuth) {
+    PulseTrain train{{first_azimuth, 8}, kPulses, n_range, {1e6, 2e6}, 12.5, -30, {}};
+    for (int k = 0; k < kPulses * n_range; ++k)
+      train.iq.emplace_back(static_cast<float>(k), static_cast<float>(first_azimuth));
+    return encoder->train(train);
+  }
+  client::Status add(int first_azimuth) {
+    for (const BlockPtr& block : blocks(first_azimuth))
+      if (const client::Status status = feed(frames, *block); !status.ok()) return status;
+    return {};
+  }
+  client::Status end() { return feed(frames, *encoder->end({}, 0)); }
+
+  int n_range;
+  std::uint64_t sequence = 0;
+  std::unique_ptr<FrameEncoder> encoder;
+  FrameAssembler frames;
+};
+
+TEST(FrameAssembler, TrainsOfPulsesComeWhole) {
+  Trains two;
+  ASSERT_TRUE(two.add(0).ok());
+  ASSERT_TRUE(two.add(16).ok());
+  ASSERT_TRUE(two.end().ok());
+  const client::AssembledFrame frame = two.frames.take();
+  ASSERT_EQ(frame.trains.size(), 2u);
+  const client::AssembledTrain& train = frame.trains[1];
+  EXPECT_EQ(train.first_azimuth, 16);
+  EXPECT_EQ(train.n_azimuth, 8);
+  EXPECT_EQ(train.n_pulses, Trains::kPulses);
+  EXPECT_EQ(train.n_range, 32);
+  EXPECT_EQ(train.period_ns, (std::vector<double>{1e6, 2e6}));
+  EXPECT_EQ(train.boresight_start_deg, 12.5);
+  EXPECT_EQ(train.boresight_rate_deg_s, -30);
+  for (std::size_t k = 0; k < train.iq.size(); ++k)
+    ASSERT_EQ(train.iq[k], std::complex<float>(static_cast<float>(k), 16));
+}
+
+TEST(FrameAssembler, TrainsAreCutAtABlocksSizeAndByAWindow) {
+  Trains large(8192);  // 65,536 bytes a pulse: sixteen in a block
+  EXPECT_EQ(large.blocks(0).size(), 2u);
+  Trains part(32, {{}, {4, 24, 5}});
+  ASSERT_TRUE(part.add(0).ok());
+  ASSERT_TRUE(part.end().ok());
+  const client::AssembledTrain& train = part.frames.frame().trains.front();
+  ASSERT_EQ(train.n_range, 5);
+  EXPECT_EQ(train.iq[5 + 2].real(), 32 + 4 + 2 * 5);
+  Trains elsewhere(32, {{8, 8, 1}, {}});
+  EXPECT_TRUE(elsewhere.blocks(0).empty()) << "none of its azimuths was asked for";
+  EXPECT_EQ(elsewhere.blocks(8).size(), 1u);
+}
+
+TEST(FrameAssembler, TrainsWithGapsAreRefused) {
+  Trains cut(8192);
+  ASSERT_TRUE(feed(cut.frames, *cut.blocks(0).front()).ok());
+  EXPECT_EQ(cut.end().text, "the frame ended within a train of pulses");
+  Trains late(8192);
+  EXPECT_EQ(feed(late.frames, *late.blocks(0).back()).text,
+            "a block of pulses overlaps another or leaves a gap");
+  Trains twice(8192);
+  ASSERT_TRUE(feed(twice.frames, *twice.blocks(0).front()).ok());
+  EXPECT_FALSE(feed(twice.frames, *twice.blocks(0).front()).ok());
+  Trains mixed(8192);
+  ASSERT_TRUE(feed(mixed.frames, *mixed.blocks(0).front()).ok());
+  EXPECT_FALSE(feed(mixed.frames, *mixed.blocks(8).back()).ok());
+  Trains beyond;
+  EXPECT_EQ(beyond.add(24).text, "a train of pulses does not fit the frame");
+}
+
 TEST(FrameAssembler, APassCannotMissMoreThanItHas) {
   // Each span costs its length: the largest message has room for as many as would cost minutes.
   Pass pass;

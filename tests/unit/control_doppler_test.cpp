@@ -37,6 +37,32 @@ TEST(DopplerSettings, ThatGoTogetherAreTaken) {
   EXPECT_EQ(all_text(validate(s)), "");
 }
 
+TEST(DopplerSettings, ThatNoTrainCanBeMadeOfAreRefusedByName) {
+  RadarSettings s = valid(RadarMode::pulses);
+  EXPECT_EQ(all_text(validate(s)), "");
+  s.pulse.prf_hz = 20000;
+  EXPECT_EQ(refused(s),
+            "pulse.prf_hz: found 20000.0 with radar.r_max_m = 11000.0: the next pulse is sent before the "
+            "last gate; "
+            "allowed: at most 13626.93 Hz, or radar.r_max_m = 7494.0");
+  s.pulse.prf_hz = 13626.93;
+  EXPECT_EQ(all_text(validate(s)), "");
+  s.pulse.stagger = {1, 0.5, 2};
+  EXPECT_NE(refused(s).find("and a pulse.stagger of 0.5"), std::string::npos);
+  s = valid(RadarMode::pulses);
+  s.speckle = SpeckleKind::none;
+  EXPECT_EQ(refused(s).substr(0, 61), "radar.speckle: found \"none\" with radar.mode = \"pulses\"; allo");
+  s = valid(RadarMode::pulses);
+  s.beam.pattern = BeamPattern::off;
+  EXPECT_EQ(refused(s).substr(0, 60), "radar.mode: found \"pulses\" with beam.pattern = \"off\"; allow");
+  for (const std::vector<double>& ratios :
+       {std::vector<double>{0.4}, {1, 2.1}, std::vector<double>(17, 1.0)}) {
+    s = valid(RadarMode::pulses);
+    s.pulse.stagger = ratios;
+    EXPECT_EQ(refused(s).substr(0, 14), "pulse.stagger:");
+  }
+}
+
 TEST(DopplerSettings, ThatDoNotAreRefusedByName) {
   RadarSettings s = valid(RadarMode::dbs);
   s.beam.pattern = BeamPattern::off;

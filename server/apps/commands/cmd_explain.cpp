@@ -24,7 +24,8 @@ struct ExplainArguments {
 
 void run(const SceneConfig& config, const ExplainArguments& arguments) {
   if (!arguments.out.empty()) prepare_output_folder(arguments.out);
-  const RadarConfig& radar = choose_radar(config, arguments.radar);
+  const RadarConfig& radar =
+      arguments.radar.empty() ? config.radars.front() : choose_radar(config, arguments.radar);
   say_notes(config);
   say_accuracy_is_ignored(config, "explain");
   const Progress progress = terminal_progress();

@@ -85,6 +85,18 @@ void run(const GetArguments& arguments) {
   client::AssembledFrame frame = receive_frame(client, request, planes);
   const double received_s = seconds_since(start);
 
+  PulseTrain train;
+  if (!frame.trains.empty()) {
+    client::AssembledTrain& received = frame.trains.front();
+    train = {{received.first_azimuth, received.n_azimuth},
+             received.n_pulses,
+             received.n_range,
+             received.period_ns,
+             received.boresight_start_deg,
+             received.boresight_rate_deg_s,
+             std::move(received.iq)};
+    files.train = &train;
+  }
   const BinBlock bins = take_bins(frame);
   const std::string missing =
       write_frame_files(arguments.out, *frame.descriptor, *frame.summary, bins, files).missing;

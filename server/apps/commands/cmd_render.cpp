@@ -19,6 +19,7 @@
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"
 #include "server/radar/frame_plan.h"
+#include "server/radar/pulses/render_train.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/render.h"
 #include "server/radar/targets/target_echoes.h"
@@ -148,6 +149,11 @@ void run(const SceneConfig& config, const RenderArguments& arguments) {
   };
   render_wedges(*planned.plan, {0, radar.settings.azimuth_bins}, options);
   frame.stats = sum.total();
+  std::optional<RenderedTrain> train;
+  if (radar.settings.mode == RadarMode::pulses) {
+    train = render_train(scene, *planned.plan, train_of_frame(radar.settings), options);
+    if (train) files.train = &train->train;
+  }
   seconds["render_s"] = watch.lap();
   if (targets) say_on_terminal(targets_line(*planned.plan, *targets));
 

@@ -114,6 +114,24 @@ void ReplayedFrame::take_dwell(const client::RecordedWedge& recorded) const {
   dwell_->set_beam_ns(by_this_clock(block.beam_ns(), block.send_ns(), now_ns));
 }
 
+void ReplayedFrame::give_trains(const client::RecordedWedge& recorded, const RenderOptions& options) const {
+  if (!options.on_train) return;
+  const auto first = static_cast<int>(recorded.first_azimuth);
+  const int end = first + static_cast<int>(recorded.n_azimuth);
+  for (const client::AssembledTrain& train : recorded_->frame.trains) {
+    // With the first wedge of its azimuths, whichever way the antenna turns.
+    const bool meets = train.first_azimuth < end && train.first_azimuth + train.n_azimuth > first;
+    if (meets && given_.insert(&train).second)
+      options.on_train({{train.first_azimuth, train.n_azimuth},
+                        train.n_pulses,
+                        train.n_range,
+                        train.period_ns,
+                        train.boresight_start_deg,
+                        train.boresight_rate_deg_s,
+                        train.iq});
+  }
+}
+
 bool ReplayedFrame::render(AzimuthRange azimuths, const RenderOptions& options) const {
   const client::AssembledFrame& frame = recorded_->frame;
   const auto first_wanted = static_cast<std::uint32_t>(azimuths.first);
@@ -147,6 +165,7 @@ bool ReplayedFrame::render(AzimuthRange azimuths, const RenderOptions& options) 
       add_video_of_iq(video_, options.video8, options.video16, wedge.bins);
     }
     take_dwell(recorded);
+    give_trains(recorded, options);
     options.on_wedge(std::move(wedge));
   }
   return wait_until(recorded_->end_utc_ns, options.stop);

@@ -2,6 +2,7 @@
 // A recorded frame in the place of a rendered one: each wedge when it was sent.
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ class ReplayedFrame : public net::PlannedFrame {
  private:
   bool wait_until(std::int64_t utc_ns, const std::stop_token& stop) const;
   void take_dwell(const client::RecordedWedge& recorded) const;
+  void give_trains(const client::RecordedWedge& recorded, const RenderOptions& options) const;
 
   std::shared_ptr<const client::RecordedFrame> recorded_;
   VideoScale video_;
@@ -44,6 +46,7 @@ class ReplayedFrame : public net::PlannedFrame {
   Times times_;
   mutable std::unique_ptr<wire::ScanPass> scan_;
   mutable std::unique_ptr<wire::WedgeBlock> dwell_;  ///< of the wedge in hand
+  mutable std::set<const client::AssembledTrain*> given_;
 };
 
 }  // namespace obliq

@@ -97,8 +97,9 @@ const std::array kParameters{
         "empty: all alike."),
     row<&RadarSettings::doppler, &DopplerSettings::pulses>(
         "doppler.pulses", "", closed(2, 1024), "doppler_pulses", {341, u16},
-        "Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows.",
-        {.knob = "pulses", .modes = "dbs"}),
+        "Pulses that a map sharpened by Doppler (dbs) adds up, so that beams become as narrow as their time "
+        "allows; of a train (pulses).",
+        {.knob = "pulses", .modes = "dbs pulses"}),
     row<&RadarSettings::doppler, &DopplerSettings::window>(
         "doppler.window", "", kDopplerWindows, "doppler_window", {342, u16},
         "Weights of these pulses, and of a synthetic aperture: wider beams, lower sidelobes.",

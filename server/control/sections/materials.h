@@ -13,6 +13,8 @@ namespace obliq {
 
 struct SceneConfig;
 struct SceneReading;
+template <class T>
+struct SpecialKey;
 
 /// The materials that ship, by id: 0 "terrain" (ground that nothing else claims: farmland), 1 "building",
 /// then "ground", "water", "urban", "forest", "suburb", "shrubs", "grass", "marsh" and "barren". A scene file
@@ -28,12 +30,16 @@ struct MaterialKeys {
   double gamma_db = 0;
 };
 std::span<const Row<MaterialKeys>> material_rows();
+std::span<const SpecialKey<MaterialKeys>> material_special_keys();
 
 /// [materials.*]; before the sections that name materials.
 void read_materials(SceneReading& scene);
 /// Finds out which are used, when all that names them has been read.
 void mark_used_materials(SceneConfig& config);
 std::string printed_materials(const SceneConfig& config);
+/// Where corners are reckoned the floor of "building", which stands for them without, falls; unless the scene
+/// says what it is.
+void lower_building_floor(SceneReading& scene);
 
 double from_db(double decibel);
 

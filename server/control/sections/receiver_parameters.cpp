@@ -77,11 +77,11 @@ const std::array kParameters{
         "Attenuation by oxygen and water vapour of the standard atmosphere at sea level."),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::polarisation>(
         "atmosphere.polarisation", "", kPolarisations, "polarisation", {},
-        "Of the radar's wave, for the rain's attenuation. radar.polarisation is the same."),
+        "Of the radar's wave, for the rain's attenuation and the sea. radar.polarisation is the same."),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_m_s>(
         "atmosphere.wind_m_s", "m/s", closed(0, 60), "wind_m_s", {347, i32, 1e3},
         "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "
-        "through.",
+        "through. It gives the sea its direction, and with sea.state_auto its state.",
         {.knob = "wind", .modes = "mti"}),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_from_deg>(
         "atmosphere.wind_from_deg", "deg", closed(0, 360), "wind_from_deg", {353, i32, 1e3},
@@ -89,8 +89,8 @@ const std::array kParameters{
         {.knob = "wind from"}),
     row<&RadarSettings::sea, &SeaSettings::state>(
         "sea.state", "", closed(0, 6), "sea_state", {349, u16, 1e2},
-        "Sea state of all water, by the NRL model of mean sea clutter; 0: water returns what its material "
-        "says. "
+        "Sea state of all water (materials of model \"sea\"), by the NRL model of mean sea clutter; 0: water "
+        "returns what its material says. "
         "\"auto\" in a scene file is sea.state_auto.",
         {.knob = "sea state"}),
     row<&RadarSettings::sea, &SeaSettings::state_auto>(
@@ -99,8 +99,8 @@ const std::array kParameters{
     row<&RadarSettings::sea, &SeaSettings::shape>(
         "sea.shape", "", closed(0, 20), "sea_shape", {351, i32, 1e3},
         "Shape of the sea's texture in a small cell (K distribution): 0.1 is spiky, 20 nearly even; 0: no "
-        "texture. "
-        "Of use with a sea state."),
+        "texture. Of use with a sea state. In a wind the texture drifts with the sim time: then echoes of a "
+        "radar that stands still are not kept from frame to frame."),
 };
 
 }  // namespace

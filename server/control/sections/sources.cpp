@@ -78,6 +78,11 @@ constexpr std::string_view kSpan = "[least, most], or one number,";
 using Houses = BuildingSourceSpec;
 constexpr std::array kBuildingUnits{Choice{"m"}, Choice{"ft"}};
 
+/// [buildings] without a source: the switch alone, as of a scene whose buildings are prisms.
+bool is_corners_alone(const ConfigNode& table) {
+  return table.items.size() == 1 && table.items.front().key == "corners";
+}
+
 void read_building_unit(const FoundKey& found, Houses& houses) {
   if (found.reader.read(found.name, Key{"buildings.unit", ""}, &houses.unit) && !houses.unit.empty() &&
       std::ranges::find(kBuildingUnits, std::string_view(houses.unit), &Choice::name) == kBuildingUnits.end())
@@ -98,9 +103,15 @@ constexpr std::array kRowsOfBuildings{
     row<&Houses::height_field>("height_field", "Field with the building's height."),
     row<&Houses::default_height_m>("default_height_m", "m", above(0, 2000),
                                    "Height of buildings without one."),
+    row<&Houses::corners>(
+        "corners", kAny,
+        "Walls that stand square to the line of sight flash: they return together with the lit ground before "
+        "them. Of all buildings of the scene, prisms too, wherever it stands; [buildings] may have it "
+        "alone."),
 };
 
 void finish_buildings(SceneReading& scene, SectionReader& reader, Houses&) {
+  if (is_corners_alone(reader.table())) return;
   require(scene, reader, "source", std::string(kPath));
 }
 
@@ -233,6 +244,18 @@ void finish_surfaces(SceneReading& scene, SectionReader& reader, SurfaceSpec& su
 }
 
 }  // namespace
+
+void settle_corners(SceneReading& scene) {
+  WorldSpec& world = scene.config.world;
+  for (const Houses& houses : world.buildings) world.corners = world.corners || houses.corners;
+  std::erase_if(world.buildings, [](const Houses& houses) { return houses.source.empty(); });
+  for (Houses& houses : world.buildings) houses.corners = world.corners;
+  if (world.corners) lower_building_floor(scene);
+}
+
+std::string printed_corners(const SceneConfig& config) {
+  return config.world.corners && config.world.buildings.empty() ? "\n[buildings]\ncorners = true\n" : "";
+}
 
 const ListSection<BuildingSourceSpec> kBuildings{
     "buildings", {kRowsOfBuildings, kSpecialOfBuildings}, &WorldSpec::buildings, finish_buildings};

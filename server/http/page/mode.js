@@ -6,6 +6,7 @@ import { refusalText } from "./form.js";
 const C_MPS = 299792458;
 const STANDS_MPS = 1; // what is slower does not fly
 const KEY = "radar.mode";
+const FOR_PROGRAMS = "pulses"; // it has no picture of its own
 
 /** As pictures say it: "MTI"; of a map nothing. @param {Record<string, any>} settings */
 export function modeWord(settings) {
@@ -26,6 +27,7 @@ const SENTENCES = {
   dbs: (s) => `Sharpens the beam by the Doppler of ${number(s.doppler_pulses, 16)} pulses; needs a beam, and a velocity across it.`,
   sar: (s) => `Makes an image of ${digits(number(s.resolution_m, 3))} m across range; needs whole frames, a sector of at most 10°, ` +
     "and a velocity across the sector's middle.",
+  pulses: (s) => `Gives programs ${number(s.doppler_pulses, 16)} pulses a dwell; this picture is the map.`,
 };
 
 /** What a mode lacks at this moment; nothing: it works. */
@@ -75,7 +77,7 @@ export class ModeSwitch {
   use(knobs, fieldOf) {
     this.parameter = knobs.find(({ key }) => key === KEY);
     if (!this.parameter) return knobs;
-    this.choice.replaceChildren(...this.parameter.limits.one_of.map((word) => {
+    this.choice.replaceChildren(...this.parameter.limits.one_of.filter((word) => word !== FOR_PROGRAMS).map((word) => {
       const button = document.createElement("button");
       button.setAttribute("role", "radio");
       button.id = `mode-${word}`;

@@ -51,6 +51,7 @@ std::optional<FieldError> too_few_rows(const RadarSettings& s, const EchoLayout&
   // B + 3 rows a beamwidth, of which there may be so many; B goes with the time.
   const double across_m_s = place.velocity.most_across_m_s(s.sector_deg * kDegree_rad);
   const double beam_rad = narrowest_beam_rad(s);
+  const bool has_train = s.mode == RadarMode::dbs || s.mode == RadarMode::pulses;
   const double wanted = rows_a_beamwidth(s, beam_rad, across_m_s);
   const double most = kMostSubBins * beam_rad / s.azimuth_bin_rad();
   const double cells = cells_in_beam(s, beam_rad, across_m_s);
@@ -62,15 +63,14 @@ std::optional<FieldError> too_few_rows(const RadarSettings& s, const EchoLayout&
     allowed.push_back("bins.azimuth = " + std::to_string(bins));
   if (most_cells > 0) {
     const int pulses = whole(s.doppler.pulses * most_cells / cells);
-    if (s.mode == RadarMode::dbs && pulses >= 2)
-      allowed.push_back("at most " + std::to_string(pulses) + " pulses");
+    if (has_train && pulses >= 2) allowed.push_back("at most " + std::to_string(pulses) + " pulses");
     const double prf_hz = std::ceil(s.pulse.prf_hz * cells / most_cells);
     if (prf_hz <= kMostPrf_hz) allowed.push_back(fmt::format("pulse.prf_hz = {:.6g}", prf_hz));
   }
   if (allowed.empty()) allowed.emplace_back("more azimuth bins and a higher pulse.prf_hz");
   const std::string what =
-      s.mode == RadarMode::dbs ? std::to_string(s.doppler.pulses) + " pulses" : std::string("a canceller");
-  return FieldError{s.mode == RadarMode::dbs ? "doppler.pulses" : "pulse.prf_hz",
+      has_train ? std::to_string(s.doppler.pulses) + " pulses" : std::string("a canceller");
+  return FieldError{has_train ? "doppler.pulses" : "pulse.prf_hz",
                     what + fmt::format(" at {:.6g} Hz and ", s.pulse.prf_hz) + speed +
                         " with bins.azimuth = " + std::to_string(s.azimuth_bins),
                     fmt::format("{}", fmt::join(allowed, " or "))};

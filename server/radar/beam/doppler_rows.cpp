@@ -23,6 +23,25 @@ MovingEchoes echoes_of(const ByLag& residue) {
 
 }  // namespace
 
+void moving_power(const DopplerPlan& doppler, const SharpWedge& wedge, int azimuth,
+                  std::vector<float>& moving) {
+  const auto share = static_cast<float>(doppler.moving_share());
+  const auto add = [&](const float* power, float times) {
+    for (std::size_t m = 0; power != nullptr && m < moving.size(); ++m) moving[m] += times * power[m];
+    ask(static_cast<std::int64_t>(moving.size()));
+  };
+  moving.assign(wedge.stride, 0);
+  // Material 0 has what the others leave of the power.
+  const bool has_first = doppler.windy().front() == 0;
+  if (has_first) add(wedge.power_row(azimuth), share);
+  for (const LabelShare& label : wedge.label_powers) {
+    if (label.kind == 0 || label.kind >= LabelShare::kBuildings) continue;
+    const bool moves = std::ranges::binary_search(doppler.windy(), label.kind);
+    if (moves != has_first) add(wedge.label_row(azimuth, label.kind), moves ? share : -share);
+  }
+  for (float& power : moving) power = std::max(power, 0.0F);
+}
+
 DopplerRows::DopplerRows(const EchoPlan& plan)
     : plan_(plan),
       stride_(sharp_stride(plan)),
@@ -48,7 +67,7 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
       row.voltages = Voltages::none;
       row.power = nullptr;
       place(row, rows[k]->sine_row(azimuth), plan_.row_middle_rad(azimuth));
-      if (!plan_.doppler->windy().empty()) find_moving(row, *rows[k]);
+      if (!plan_.doppler->windy().empty()) moving_power(*plan_.doppler, *rows[k], azimuth, row.moving);
     }
     if (row.power == nullptr || row.voltages != voltages || row.key != key)
       make(row, *rows[k], voltages, key);
@@ -88,25 +107,6 @@ void DopplerRows::place(Row& row, const float* sine, double azimuth_rad) const {
   }
   row.second.resize(stride_);
   active_kernels().doppler_phasors({of, row.first.data(), row.second.data()});
-}
-
-/// Material 0 has what the others leave of the power.
-void DopplerRows::find_moving(Row& row, const SharpWedge& wedge) const {
-  const std::vector<int>& windy = plan_.doppler->windy();
-  const auto share = static_cast<float>(plan_.doppler->moving_share());
-  const auto add = [&](const float* power, float times) {
-    for (std::size_t m = 0; power != nullptr && m < stride_; ++m) row.moving[m] += times * power[m];
-    ask(static_cast<std::int64_t>(stride_));
-  };
-  row.moving.assign(stride_, 0);
-  const bool has_first = windy.front() == 0;
-  if (has_first) add(wedge.power_row(row.azimuth), share);
-  for (const LabelShare& label : wedge.label_powers) {
-    if (label.kind == 0 || label.kind >= LabelShare::kBuildings) continue;
-    const bool moves = std::ranges::binary_search(windy, label.kind);
-    if (moves != has_first) add(wedge.label_row(row.azimuth, label.kind), moves ? share : -share);
-  }
-  for (float& power : row.moving) power = std::max(power, 0.0F);
 }
 
 void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key) {

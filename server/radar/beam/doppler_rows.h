@@ -8,6 +8,10 @@
 
 namespace obliq {
 
+/// Of a row's power, what moves in the wind (DopplerPlan::windy, not empty).
+void moving_power(const DopplerPlan& doppler, const SharpWedge& wedge, int azimuth,
+                  std::vector<float>& moving);
+
 /// Makes of rows what the sums need of them beside their power: where their echoes stand in Doppler, I&Q
 /// drawn from their power, a canceller's output where that is a matter of the row alone. Keeps the rows that
 /// neighbouring output wedges share. Holds its buffers; one thread at a time.
@@ -62,7 +66,6 @@ class DopplerRows {
   std::size_t place_of(int row) const;
   void place(Row& row, const float* sine, double azimuth_rad) const;
   void make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key);
-  void find_moving(Row& row, const SharpWedge& wedge) const;
   void cancel(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
 
   const EchoPlan& plan_;

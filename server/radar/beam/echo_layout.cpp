@@ -313,6 +313,12 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
                        grown_bytes(DopplerResponse::n_terms(cells), kFloat);
   }
 
+  if (s.mode == RadarMode::pulses) {
+    // GroundPulses: a train's pulses in two floats, and rows with what moves in the wind.
+    constexpr std::int64_t kRowBytes = 2 * (sizeof(double) + 2 * kFloat);
+    size.plan_bytes += 2 * kFloat * row * s.doppler.pulses + size.n_taps * kRowBytes * layout.stride();
+  }
+
   // An output wedge's, those of the next ones that are in hand, and lists of both.
   constexpr std::int64_t kWedge = kWedgeAzimuthBins;
   const std::int64_t rows = std::min(size.n_taps + kWedge * (layout.azimuth_parts + 2 * threads),

@@ -89,14 +89,15 @@ struct EchoPlan : RowWindow {
 
   /// Of modes other than map.
   std::shared_ptr<const DopplerPlan> doppler;
+  /// The same where its filter stands before the bins; else null.
+  const DopplerPlan* filter() const { return doppler && doppler->is_filter() ? doppler.get() : nullptr; }
   std::string doppler_warning;  ///< of too few rows for it
   double output_rad = 0;        ///< of an output azimuth
   double start_rad = 0;         ///< left edge of the first output, from the sector's centre
   /// Middles of outputs and of rows, from the sector's centre.
   double output_middle_rad(int azimuth) const { return start_rad + (azimuth + 0.5) * output_rad; }
-  double row_middle_rad(int row) const {
-    return start_rad + (row - first_azimuth + 0.5) * output_rad / azimuth_parts;
-  }
+  double row_middle_rad(int row) const { return start_rad + (row - first_azimuth + 0.5) * row_rad(); }
+  double row_rad() const { return output_rad / azimuth_parts; }
 
   bool draws() const { return speckle == SpeckleKind::none || speckle == SpeckleKind::independent; }
   /// Settings of what is looked at.

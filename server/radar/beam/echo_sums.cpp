@@ -35,7 +35,7 @@ EchoSums::EchoSums(const EchoPlan& plan) : plan_(plan), stride_(sharp_stride(pla
     ranges_[kind].assign(floats * (stride_ + kSpare), 0);
     ask(static_cast<std::int64_t>(kLanesOut * floats * stride_ / 2));
   }
-  if (plan.doppler) doppler_.emplace(plan);
+  if (plan.filter() != nullptr) doppler_.emplace(plan);
   zero_rows_.assign(n_rows, zeros_.data());
   const RadarSettings& s = plan.sharp;
   const double sharp_m = s.range_bin_m();

@@ -44,6 +44,8 @@ double DopplerPlan::turns_a_hz(double range_m) const {
       return pulse_s_;
     case RadarMode::dbs:
       return train_s_;
+    case RadarMode::pulses:
+      return 1;
     default:
       return sar_s_a_m_ * range_m;
   }

@@ -29,6 +29,8 @@ class DopplerPlan {
               double turn_rad, double above_ground_m, std::vector<int> windy);
 
   RadarMode mode() const { return mode_; }
+  /// Something is made of the pulses: weight() has a meaning.
+  bool is_filter() const { return mode_ != RadarMode::pulses; }
   bool is_canceller() const { return mode_ == RadarMode::mti; }
   int delays() const { return delays_; }
   bool has_lock() const { return has_lock_; }
@@ -52,7 +54,8 @@ class DopplerPlan {
   const SectorVelocity& velocity() const { return velocity_; }
   const GroundDoppler& ground() const { return ground_; }
   const DopplerResponse& response() const { return response_; }
-  /// Turns of the phase for 1 Hz, at a range: between two pulses (mti); Doppler cells for 1 Hz (dbs, sar).
+  /// Turns of the phase for 1 Hz, at a range: between two pulses (mti), in a second (pulses); Doppler cells
+  /// for 1 Hz (dbs, sar).
   double turns_a_hz(double range_m) const;
   /// The same [ranges], and sines of elevation of level ground.
   const std::vector<double>& turns_a_hz() const { return turns_a_hz_; }

@@ -42,6 +42,7 @@ double aperture_noise_factor(const DopplerSettings& settings, double pulses) {
 }
 
 DopplerResponse::DopplerResponse(const RadarSettings& settings) {
+  if (settings.mode == RadarMode::pulses) return;  // nothing is made of them
   const Taper taper = doppler_taper(settings.doppler);
   const bool is_sar = settings.mode == RadarMode::sar;
   const double end_cells = is_sar ? kSarCells : settings.doppler.pulses;

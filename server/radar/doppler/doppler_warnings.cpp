@@ -18,13 +18,16 @@ constexpr double kMostWalk_bins = 0.5;
 
 std::vector<std::string> doppler_warnings(const RadarSettings& s, const SectorVelocity& velocity) {
   std::vector<std::string> warnings;
-  if (s.mode != RadarMode::dbs) return warnings;
+  const bool has_map = s.mode == RadarMode::dbs;
+  if (!has_map && s.mode != RadarMode::pulses) return warnings;
   const double sector_rad = s.sector_deg * kDegree_rad;
   const double across_m_s = velocity.most_across_m_s(sector_rad);
   if (!(across_m_s > 0)) {
-    warnings.emplace_back(
-        "radar.mode = \"dbs\" of an antenna without a velocity across its beam: the map is the real beam's; "
-        "poses need a velocity, or two of them each a time");
+    if (has_map)
+      warnings.emplace_back(
+          "radar.mode = \"dbs\" of an antenna without a velocity across its beam: the map is the real "
+          "beam's; "
+          "poses need a velocity, or two of them each a time");
     return warnings;
   }
   const double wavelength_m = wavelength_at(s.frequency_ghz);
@@ -45,7 +48,7 @@ std::vector<std::string> doppler_warnings(const RadarSettings& s, const SectorVe
         s.doppler.pulses, walked_m, s.range_bin_m()));
   // The quadratic phase that an unfocused train leaves.
   const double focused_m = 2 * std::pow(across_m_s * train_s, 2) / wavelength_m;
-  if (focused_m > s.r_min_m)
+  if (has_map && focused_m > s.r_min_m)
     warnings.push_back(
         fmt::format("doppler.pulses = {}: nearer than {:.1f} km a real map of so long a train is out of "
                     "focus; this one is "

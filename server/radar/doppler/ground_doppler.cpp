@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "terrain/base/units.h"
 
@@ -45,6 +46,13 @@ double coherent_time_s(const RadarSettings& settings) {
       return settings.doppler.canceller / settings.pulse.prf_hz;
     case RadarMode::dbs:
       return settings.doppler.pulses / settings.pulse.prf_hz;
+    case RadarMode::pulses: {
+      // Of a stagger its mean interval; it may end with longer ones, by no more than a pattern.
+      double mean = 1;
+      if (const auto& ratios = settings.pulse.stagger; !ratios.empty())
+        mean = std::accumulate(ratios.begin(), ratios.end(), 0.0) / static_cast<double>(ratios.size());
+      return settings.doppler.pulses * mean / settings.pulse.prf_hz;
+    }
     default:
       return 0;
   }

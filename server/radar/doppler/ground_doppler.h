@@ -41,8 +41,8 @@ class GroundDoppler {
   double up_hz_ = 0;
 };
 
-/// Time that a bin's echo is added up over: c pulses apart, the train of dbs. 0: a map. An image of synthetic
-/// aperture takes its own (DopplerPlan).
+/// Time that a bin's echo is added up over: c pulses apart, the train of dbs and pulses. 0: a map. An image
+/// of synthetic aperture takes its own (DopplerPlan).
 double coherent_time_s(const RadarSettings& settings);
 
 /// Time over range of the train of a synthetic aperture, T = lambda r / (2 v sin psi resolution), s/m; 0

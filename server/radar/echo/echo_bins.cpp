@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "server/radar/echo/sea_echo.h"
 #include "server/radar/simd/cross_section.h"
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
@@ -46,6 +47,9 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
     factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
   if (labels) datum_ = {plan.scene().world().frame, {plan.sector().antenna_m}, plan.sector().r_max_m};
+  if (scattering.texture() != nullptr) pieces_ = std::make_unique<SeaPieces>();
+  if (scattering.corners() != nullptr && surfaces != Surfaces::ground)
+    foot_corner_.emplace(plan, *scattering.corners());
   restart(range);
 }
 
@@ -65,6 +69,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
   std::uint32_t marked = kNoFace;
   ask(kASample * samples.n);
   active_kernels().bin_samples(cells_, factors_, samples, placed_);
+  if (pieces_) texture_samples(samples);
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double r = samples.slant_range_m[k];
@@ -76,13 +81,18 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     if (std::isnan(sigma))
       sigma = scattering_.cross_section_m2(
           samples.material[k], samples.solid_angle_sr[k] * placed_.range2_m2[k], samples.cos_incidence[k]);
+    const double dx = samples.x_m[k] - at_m.x;
+    const double dz = samples.z_m[k] - at_m.z;
+    double sine = samples.sin_elevation[k];
+    if (scattering_.sea() != nullptr && samples.face[k] == kNoFace) {
+      if (pieces_ && scattering_.sea()->over_gamma[samples.material[k]] > 0)
+        sigma *= static_cast<double>(pieces_->tau[k]);
+      sigma *= sea_over_gamma(*scattering_.sea(), samples.material[k], dx, dz, r, sine);
+    }
     if (has_raster_gamma_ && samples.face[k] == kNoFace) {
       const auto said = static_cast<double>(samples.raster_gamma[k]);
       sigma = said < 0 ? -said * (samples.solid_angle_sr[k] * placed_.range2_m2[k]) : said * sigma;
     }
-    const double dx = samples.x_m[k] - at_m.x;
-    const double dz = samples.z_m[k] - at_m.z;
-    double sine = samples.sin_elevation[k];
     if (antenna.keeps_elevation()) {
       // That of the surface's middle: of a beam's width, which is 1 / cos(e), it has the mean straight below
       // as well.
@@ -98,6 +108,7 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
       bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
                          datum_.height_w(dx, dz, power * (at_m.y + r * samples.sin_elevation[k]), power));
     ++binned;
+    if (foot_corner_ && samples.face[k] != kNoFace) add_corner(samples, k);
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
       plan_.seen().mark(plan_.scene().world().buildings.building_of_face[marked = samples.face[k]]);
     if (geometric) {
@@ -118,6 +129,59 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     }
   }
   return binned;
+}
+
+/// The texture's mean over each sample, as if all were sea: as wide as a column, and as long as its solid
+/// angle makes it on level water.
+void EchoBins::texture_samples(const SampleBatch& samples) {
+  static_assert(kBatch <= SeaPieces::kMost);
+  constexpr double kLeastSine = 1e-3;
+  const glm::dvec3& at_m = plan_.sector().antenna_m;
+  const double width_rad = plan_.bins().azimuth_width_rad / sweep_columns_per_bin(plan_.settings());
+  pieces_->n = samples.n;
+  for (int s = 0; s < samples.n; ++s) {
+    const auto k = static_cast<std::size_t>(s);
+    const double dx = samples.x_m[k] - at_m.x, dz = samples.z_m[k] - at_m.z;
+    const double across_m = std::sqrt(dx * dx + dz * dz) * width_rad;
+    const double area_m2 = samples.solid_angle_sr[k] * samples.slant_range_m[k] * samples.slant_range_m[k] /
+                           std::max(kLeastSine, std::fabs(samples.sin_elevation[k]));
+    pieces_->x_m[k] = static_cast<float>(dx);
+    pieces_->z_m[k] = static_cast<float>(dz);
+    pieces_->across_m[k] = static_cast<float>(across_m);
+    pieces_->along_m[k] = static_cast<float>(area_m2 / std::max(across_m, 1e-3));
+  }
+  active_kernels().sea_texture(*scattering_.texture(), *pieces_);
+}
+
+/// What a wall's sample stands for of the wall's corner with the ground.
+void EchoBins::add_corner(const SampleBatch& samples, std::size_t k) {
+  const auto corner = foot_corner_->at(samples.face[k], samples.x_m[k], samples.z_m[k]);
+  if (!corner) return;
+  const double r = corner->range_m;
+  const int range_bin = plan_.bins().range_bin(r);
+  if (range_bin < 0) return;
+  const glm::dvec3 off_m = corner->foot_m - plan_.sector().antenna_m;
+  const AntennaGain& antenna = plan_.antenna_gain();
+  const double sine = off_m.y / r;
+  const double spreading = factors_.range_normalisation ? 1 : r * r * r * r;
+  const double power = radar_equation(range_constant_, antenna.power_gain(sine, off_m.x, off_m.z, r),
+                                      corner->sigma_per_sr * samples.solid_angle_sr[k], spreading);
+  const int azimuth = samples.azimuth_bin[k] - range_.first;
+  const std::size_t bin = BinSums::index(azimuth, range_bin);
+  bins_.add(bin, power, power * antenna.kept_sine(sine, off_m.x, off_m.z, r));
+  if (bins_.labels().wanted())
+    bins_.labels().add(bin, power, samples.material[k], true,
+                       datum_.height_w(off_m.x, off_m.z, power * corner->foot_m.y, power));
+  if (plan_.settings().speckle == SpeckleKind::geometric) {
+    const double round_trips = 2 * r / plan_.wavelength_m();
+    const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));
+    const double amplitude = std::sqrt(power);
+    bins_.add_voltage(bin, amplitude * at.cos, amplitude * at.sin);
+    return;
+  }
+  scatterers_[static_cast<std::size_t>(azimuth)].add(
+      static_cast<std::uint32_t>(range_bin),
+      ScattererKey(speckle_.corner(r, corner->foot_m, samples.face[k], samples.material[k])), power);
 }
 
 void EchoBins::write(BinBlock& block) {

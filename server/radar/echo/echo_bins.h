@@ -1,15 +1,19 @@
 #pragma once
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/radar/bins.h"
 #include "server/radar/echo/bin_sums.h"
 #include "server/radar/echo/datum_surface.h"
+#include "server/radar/echo/foot_corner.h"
 #include "server/radar/echo/scatterer_sums.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/samples.h"
 #include "server/radar/scene_plan.h"
+#include "server/radar/simd/sea_texture.h"
 
 namespace obliq {
 
@@ -33,7 +37,9 @@ class EchoBins {
   static std::int64_t bytes(const RadarSettings& settings);
 
  private:
+  void add_corner(const SampleBatch& samples, std::size_t k);
   void add_speckle(std::size_t azimuth);
+  void texture_samples(const SampleBatch& samples);
 
   const ScenePlan& plan_;
   const ScatteringTable& scattering_;
@@ -48,7 +54,9 @@ class EchoBins {
   std::vector<ScattererSums> scatterers_;  // [range.count], ground speckle only
   SwathCells cells_;
   EchoFactors factors_;
+  std::unique_ptr<SeaPieces> pieces_;  // where the sea has a texture
   BinnedSamples placed_;
+  std::optional<FootCorner> foot_corner_;  // where corners are wanted
 };
 
 }  // namespace obliq

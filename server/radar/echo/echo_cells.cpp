@@ -13,7 +13,53 @@ namespace obliq {
 namespace {
 // In units of ask().
 constexpr int kAnEcho = 4;
+constexpr int kAPiece = 16;
 constexpr int kAScatterer = 8;
+
+/// A piece of ground of one plane in one range bin, by the middle of the bin that it begins in.
+struct SeaPiece {
+  bool is_sea;
+  std::uint32_t run, bin;
+  float distance_m;
+};
+struct TextureOfPieces {
+  const SeaTexture& texture;
+  const ScenePlan& plan;
+  const PlaceOfEchoes& where;
+  SeaPieces& pieces;
+};
+
+/// What the texture makes of n pieces' powers: 1 where they are no sea.
+template <class PieceOf>
+void texture_of(const TextureOfPieces& of, int n, float* tau, const PieceOf& piece_of) {
+  const BinGrid& bins = of.plan.bins();
+  const auto width_rad =
+      static_cast<float>(bins.azimuth_width_rad / sweep_columns_per_bin(of.plan.settings()));
+  int numbers[SeaPieces::kMost];
+  SeaPieces& pieces = of.pieces;
+  pieces.n = 0;
+  const auto take = [&] {
+    ask(kAPiece * pieces.n);
+    active_kernels().sea_texture(of.texture, pieces);
+    for (int k = 0; k < pieces.n; ++k) tau[numbers[k]] = pieces.tau[k];
+    pieces.n = 0;
+  };
+  for (int k = 0; k < n; ++k) {
+    tau[k] = 1;
+    const SeaPiece piece = piece_of(k);
+    if (!piece.is_sea) continue;
+    const auto range_m = static_cast<float>(bins.edge_m(piece.bin + 0.5));
+    numbers[pieces.n] = k;
+    pieces.x_m[pieces.n] = piece.distance_m * static_cast<float>(of.where.sin_bearing[piece.run]);
+    pieces.z_m[pieces.n] = piece.distance_m * static_cast<float>(of.where.cos_bearing[piece.run]);
+    pieces.along_m[pieces.n] =
+        static_cast<float>(bins.range_spacing_m) * (range_m / std::max(piece.distance_m, 1.0F));
+    pieces.across_m[pieces.n] = piece.distance_m * width_rad;
+    if (++pieces.n == SeaPieces::kMost) take();
+  }
+  if (pieces.n > 0) take();
+}
+
 }  // namespace
 
 EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
@@ -23,7 +69,9 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
       surfaces_(surfaces),
       bins_(plan, speckle, voltages, labels),
       table_(scattering.echo_table()),
+      texture_(scattering.texture()),
       wants_labels_(labels) {
+  if (texture_ != nullptr) pieces_ = std::make_unique<SeaPieces>();
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
   table_.range_normalisation = normalises_samples(plan.settings());
@@ -68,6 +116,7 @@ void EchoCells::add(GroundEchoes& echoes) {
   const StageProbe probe(Stage::bin);
   const int n = surfaces_ == Surfaces::buildings ? 0 : echoes.n;
   ask(kAnEcho * n);
+  if (texture_ != nullptr && n > 0) texture_sea(echoes);
   for (int k = 0; k < n; ++k) {
     const std::uint32_t at = echoes.at[k];
     list_at_[k] = static_cast<std::uint32_t>(
@@ -85,15 +134,37 @@ void EchoCells::add(GroundEchoes& echoes) {
   echoes_ += static_cast<std::uint64_t>(n);
 }
 
+/// Multiplies echoes of the sea by the texture's mean over their pieces.
+void EchoCells::texture_sea(GroundEchoes& echoes) const {
+  float tau[kList];
+  texture_of({*texture_, plan_, where_, *pieces_}, echoes.n, tau, [&](int k) {
+    return SeaPiece{table_.sea->over_gamma[echoes.material[k]] > 0, echoes.at[k] % GroundEchoes::kRuns,
+                    echoes.at[k] / GroundEchoes::kRuns, echoes.distance_m[k]};
+  });
+  for (int k = 0; k < echoes.n; ++k) {
+    echoes.light[k] *= tau[k];
+    echoes.sine[k] *= tau[k];
+  }
+}
+
 void EchoCells::add(const GroundStretches& stretches) {
   if (surfaces_ == Surfaces::buildings) return;
   const StageProbe probe(Stage::bin);
   const double antenna_y_m = plan_.sector().antenna_m.y;
   ask(kAnEcho * stretches.n);
+  // As echoes, so that shares of materials fit their sum.
+  float tau[GroundStretches::kMost];
+  const auto half_bin_m = static_cast<float>(plan_.bins().range_spacing_m / 2);
+  if (texture_ != nullptr)
+    texture_of({*texture_, plan_, where_, *pieces_}, stretches.n, tau, [&](int k) {
+      return SeaPiece{table_.sea->over_gamma[stretches.material(k)] > 0, stretches.run(k), stretches.bin(k),
+                      stretches.from_m[k] + half_bin_m};
+    });
   for (int k = 0; k < stretches.n; ++k) {
     const std::uint32_t run = stretches.run(k);
-    const double power_w = static_cast<double>(stretches.light[k]) * table_.factor;
-    const double y_w = static_cast<double>(stretches.height[k]) * table_.factor + power_w * antenna_y_m;
+    const double factor = texture_ != nullptr ? table_.factor * static_cast<double>(tau[k]) : table_.factor;
+    const double power_w = static_cast<double>(stretches.light[k]) * factor;
+    const double y_w = static_cast<double>(stretches.height[k]) * factor + power_w * antenna_y_m;
     const double middle_m = static_cast<double>(stretches.from_m[k] + stretches.end_m[k]) / 2;
     bins_.labels().add(
         BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(stretches.bin(k))),
@@ -141,8 +212,8 @@ void EchoCells::add(int profile, const FacePower& echo) {
   if (surfaces_ == Surfaces::ground || !(echo.power > 0)) return;
   const std::uint32_t building = plan_.scene().world().buildings.building_of_face[echo.face];
   const FaceEcho whole{
-      echo.range_bin,        building, echo.face, echo.material, 0, echo.range_m / echo.power, 0,
-      echo.at_m / echo.power};
+      echo.range_bin,         building,   echo.face, echo.material, 0, echo.range_m / echo.power, 0,
+      echo.at_m / echo.power, echo.corner};
   put_face(profile, whole, table_.factor * echo.power,
            (whole.at_m.y - plan_.sector().antenna_m.y) / whole.range_m);
 }
@@ -173,7 +244,7 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
         datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
     const SpeckleField::OnFace scatterer =
-        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material);
+        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material, echo.corner);
     const glm::dvec3 from_antenna = scatterer.reference_m - plan_.sector().antenna_m;
     faces_.x_m[k] = from_antenna.x;
     faces_.y_m[k] = from_antenna.y;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "server/radar/echo/bin_sums.h"
@@ -10,6 +11,7 @@
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
+#include "server/radar/simd/sea_texture.h"
 
 namespace obliq {
 
@@ -23,6 +25,7 @@ struct FaceEcho {
   double range_m;
   double sec2_incidence;  ///< 1 / cos^2
   glm::dvec3 at_m;        ///< where on the face, for its cell
+  bool corner = false;    ///< FacePower's
 };
 
 /// Parts of such an echo, as far as they are known: the sum of their powers over EchoTable::factor, and of
@@ -34,6 +37,7 @@ struct FacePower {
   double power;
   double range_m;
   glm::dvec3 at_m;
+  bool corner = false;  ///< of the face with the ground at its foot: another scatterer
 
   void add(const FacePower& other) {
     power += other.power;
@@ -98,12 +102,15 @@ class EchoCells {
   void put_face(int profile, const FaceEcho& echo, double power_w, double sine);
   double elevation_gain2(const glm::dvec3& at_m, double range_m) const;
   void take_faces();
+  void texture_sea(GroundEchoes& echoes) const;
 
   const ScenePlan& plan_;
   const SpeckleField& speckle_;
   Surfaces surfaces_;
   BinSums bins_;
   EchoTable table_;
+  const SeaTexture* texture_;              // null: none
+  std::unique_ptr<SeaPieces> pieces_;      // where there is one
   std::vector<double> cells_per_m_;        // [n_range]
   std::vector<std::uint64_t> level_bits_;  // [n_range]
   PlaceOfEchoes where_;

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "server/radar/simd/exact_math.h"
 
@@ -14,7 +15,9 @@ constexpr double kEdgeOn = 1e-6;
 
 }  // namespace
 
-ScatteringTable::ScatteringTable(const std::vector<Material>& materials, double wavelength_m) {
+ScatteringTable::ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
+                                 std::optional<CornerTable> corners, SeaOfFrame sea)
+    : corners_(std::move(corners)), sea_(std::move(sea)) {
   rows_.reserve(materials.size());
   for (const Material& material : materials) {
     const double slope2 = material.rms_slope * material.rms_slope;
@@ -29,6 +32,7 @@ double ScatteringTable::cross_section_m2(std::uint8_t material, double projected
   const Row& row = rows_[material];
   switch (row.model) {
     case ScatteringModel::constant_gamma:
+    case ScatteringModel::sea:
       return row.gamma * projected_area_m2;
     case ScatteringModel::geometric_optics: {
       if (cos_incidence < kEdgeOn) return row.gamma * projected_area_m2;
@@ -51,11 +55,13 @@ double ScatteringTable::cross_section_m2(std::uint8_t material, double projected
 
 double ScatteringTable::constant_gamma(std::size_t material) const {
   const Row& row = rows_[material];
-  return row.model == ScatteringModel::constant_gamma ? row.gamma : std::numeric_limits<double>::quiet_NaN();
+  const bool constant = row.model == ScatteringModel::constant_gamma || row.model == ScatteringModel::sea;
+  return constant ? row.gamma : std::numeric_limits<double>::quiet_NaN();
 }
 
 EchoTable ScatteringTable::echo_table() const {
   EchoTable table{};
+  table.sea = sea_.mean.get();
   for (std::size_t m = 0; m < rows_.size() && m < std::size(table.gamma); ++m) {
     const Row& row = rows_[m];
     if (row.model == ScatteringModel::flat_plate) continue;

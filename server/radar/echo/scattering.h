@@ -1,12 +1,24 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "server/radar/echo/corners.h"
 #include "server/radar/simd/cross_section.h"
 #include "server/scene/materials.h"
 
 namespace obliq {
+
+struct SeaTexture;  // server/radar/simd/sea_texture.h
+
+/// What water returns over its gamma in the pipeline (sea_over_gamma); null: nothing more.
+struct SeaOfFrame {
+  std::shared_ptr<const SeaTable> mean;
+  std::shared_ptr<const SeaTexture> texture;
+};
 
 /// Radar cross section of the surface, one row per material with its constants worked out (PAPER.md,
 /// eq. 12). Immutable.
@@ -20,9 +32,12 @@ namespace obliq {
 ///   flat plate         sigma = 4 pi tau(theta) area^2 / lambda^2, paper eq. (12) corrected
 class ScatteringTable {
  public:
-  ScatteringTable(const std::vector<Material>& materials, double wavelength_m);
+  /// corners: of walls with the ground before them; empty: they return nothing.
+  ScatteringTable(const std::vector<Material>& materials, double wavelength_m,
+                  std::optional<CornerTable> corners = {}, SeaOfFrame sea = {});
 
-  /// sigma, square metres. projected_area_m2 = solid angle x slant range^2; cos_incidence in 0..1.
+  /// sigma, square metres; of sea without its state. projected_area_m2 = solid angle x slant range^2;
+  /// cos_incidence in 0..1.
   double cross_section_m2(std::uint8_t material, double projected_area_m2, double cos_incidence) const;
 
   std::size_t size() const { return rows_.size(); }
@@ -30,6 +45,12 @@ class ScatteringTable {
   double constant_gamma(std::size_t material) const;
   /// For the kernels: gamma, peak and slope by material. Flat plates are not in it.
   EchoTable echo_table() const;
+  /// Null: none are wanted.
+  const CornerTable* corners() const { return corners_ ? &*corners_ : nullptr; }
+  /// Null: water is as its material.
+  const SeaTable* sea() const { return sea_.mean.get(); }
+  /// By which powers of pieces of the sea are multiplied; null: it is smooth.
+  const SeaTexture* texture() const { return sea_.texture.get(); }
 
  private:
   struct Row {
@@ -41,6 +62,8 @@ class ScatteringTable {
     double plate_exponent;
   };
   std::vector<Row> rows_;
+  std::optional<CornerTable> corners_;
+  SeaOfFrame sea_;
 };
 
 }  // namespace obliq

@@ -23,11 +23,6 @@ double side_of(const Scatterer& s) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);
 }
 
-glm::dvec3 reference_on(const glm::dvec3& centre_m, const Scatterer& s) {
-  if (s.level == Scatterer::kWholeFace) return centre_m;
-  return centre_m + side_of(s) * glm::dvec3(s.x_cell, s.y_cell, s.z_cell);
-}
-
 }  // namespace
 
 SpeckleField::SpeckleField(const World& world, const glm::dvec3& antenna_m, double wavelength_m,
@@ -57,11 +52,17 @@ Scatterer SpeckleField::scatterer(double slant_range_m, const glm::dvec3& at_m, 
   return s;
 }
 
+Scatterer SpeckleField::corner(double slant_range_m, const glm::dvec3& at_m, std::uint32_t face,
+                               std::uint8_t material) const {
+  return of_face(slant_range_m, at_m, world_.buildings.face(face), face, material, true);
+}
+
 Scatterer SpeckleField::of_face(double slant_range_m, const glm::dvec3& at_m, const BuildingFace& of,
-                                std::uint32_t face, std::uint8_t material) const {
+                                std::uint32_t face, std::uint8_t material, bool corner) const {
   Scatterer s;
   s.material = material;
   s.face = face;
+  s.corner = corner;
   const auto octave = static_cast<int>(octave_of(slant_range_m));
   const double cells_per_m = cells_per_m_[octave];
   if (static_cast<double>(of.reach_m) * cells_per_m <= 0.5) {
@@ -76,16 +77,28 @@ Scatterer SpeckleField::of_face(double slant_range_m, const glm::dvec3& at_m, co
   };
   s.x_cell = cell(at_m.x - of.centre_m.x);
   s.z_cell = cell(at_m.z - of.centre_m.z);
-  if (of.wall) s.y_cell = cell(at_m.y - of.centre_m.y);
+  if (of.wall && !corner) s.y_cell = cell(at_m.y - of.centre_m.y);
   return s;
 }
 
+/// A corner's lies on the ground, or, beside known ground, at the building's base: fixed in the world.
+glm::dvec3 SpeckleField::reference_on(const BuildingFace& of, std::uint32_t building,
+                                      const Scatterer& s) const {
+  glm::dvec3 at_m = of.centre_m;
+  if (s.level != Scatterer::kWholeFace) at_m += side_of(s) * glm::dvec3(s.x_cell, s.y_cell, s.z_cell);
+  if (!s.corner) return at_m;
+  at_m.y = world_.grid.height_at_m(at_m.x, at_m.z);
+  if (std::isnan(at_m.y)) at_m.y = static_cast<double>(world_.buildings.list[building].base_y_m);
+  return at_m;
+}
+
 SpeckleField::OnFace SpeckleField::on_face(double slant_range_m, const glm::dvec3& at_m,
-                                           std::uint32_t building, std::uint32_t face,
-                                           std::uint8_t material) const {
+                                           std::uint32_t building, std::uint32_t face, std::uint8_t material,
+                                           bool corner) const {
   const BuildingFace of = world_.buildings.face(building, face);
-  const Scatterer s = of_face(slant_range_m, at_m, of, face, material);
-  return {s.level == Scatterer::kWholeFace, hash_on(of.identity, s, 0), reference_on(of.centre_m, s)};
+  const Scatterer s = of_face(slant_range_m, at_m, of, face, material, corner);
+  return {corner || s.level == Scatterer::kWholeFace, hash_on(of.identity, s, 0),
+          reference_on(of, building, s)};
 }
 
 std::uint64_t SpeckleField::hash(const Scatterer& s, std::uint64_t owner) const {
@@ -96,7 +109,10 @@ std::uint64_t SpeckleField::hash(const Scatterer& s, std::uint64_t owner) const 
 
 std::uint64_t SpeckleField::hash_on(std::uint64_t identity, const Scatterer& s, std::uint64_t owner) const {
   const std::uint64_t of_face = mix64(seed_ ^ identity);
-  if (s.level == Scatterer::kWholeFace) return owner == 0 ? of_face : mix64(of_face ^ owner);
+  if (s.level == Scatterer::kWholeFace) {
+    const std::uint64_t other = owner | (s.corner ? ScattererKey::kCorner : 0);
+    return other == 0 ? of_face : mix64(of_face ^ other);
+  }
   const ScattererKey key(s);
   return mix64(mix64(of_face ^ key.place) ^ ((key.kind & 0xffffffffull) | owner));
 }
@@ -115,7 +131,8 @@ SpeckleField::Draw SpeckleField::draw(const Scatterer& s, const glm::dvec3& from
 }
 
 glm::dvec3 SpeckleField::reference_point(const Scatterer& s) const {
-  if (s.face != kNoFace) return reference_on(world_.buildings.face(s.face).centre_m, s);
+  if (s.face != kNoFace)
+    return reference_on(world_.buildings.face(s.face), world_.buildings.building_of_face[s.face], s);
   const double side = side_of(s);
   double x = (s.x_cell + 0.5) * side;
   double z = (s.z_cell + 0.5) * side;
@@ -139,7 +156,7 @@ std::complex<double> SpeckleField::response(const Scatterer& s, const OwnBin& bi
   const SinCos at = sincos_turns(own_turns - (round_trips - std::floor(round_trips)));
   // Box and Muller 1958: |u|^2 = -ln(uniform) is exponential with mean 1.
   const double modulus =
-      s.level == Scatterer::kWholeFace ? 1.0 : std::sqrt(-log_of_positive(uniform_of_hash(h)));
+      s.corner || s.level == Scatterer::kWholeFace ? 1.0 : std::sqrt(-log_of_positive(uniform_of_hash(h)));
   return {modulus * at.cos, modulus * at.sin};
 }
 

@@ -27,6 +27,7 @@ struct Scatterer {
   std::int16_t level = 0;
   std::uint8_t material = 0;
   std::int32_t y_cell = 0;  ///< of walls
+  bool corner = false;      ///< of a wall with the ground before it: another scatterer, at the wall's foot
 
   bool operator==(const Scatterer&) const = default;
 };
@@ -34,7 +35,9 @@ struct Scatterer {
 /// A scatterer in two numbers, equal when the scatterers are.
 struct ScattererKey {
   std::uint64_t place;  ///< x_cell, z_cell: 32 bits each; of a face x_cell, y_cell: 21 each, z_cell: 22
-  std::uint64_t kind;   ///< face: 32 bits, level: 16 of the next 24, material: 8
+  std::uint64_t kind;   ///< face: 32 bits, corner: one of the next 8, level: 16, material: 8
+
+  static constexpr std::uint64_t kCorner = 1u << 24;
 
   explicit ScattererKey(std::uint64_t place_bits, std::uint64_t kind_bits)
       : place(place_bits), kind(kind_bits) {}
@@ -44,7 +47,7 @@ struct ScattererKey {
                                 : (static_cast<std::uint64_t>(s.x_cell) & 0x1fffff) << 43 |
                                       (static_cast<std::uint64_t>(s.y_cell) & 0x1fffff) << 22 |
                                       (static_cast<std::uint64_t>(s.z_cell) & 0x3fffff)),
-        kind(static_cast<std::uint64_t>(s.face) << 32 |
+        kind(static_cast<std::uint64_t>(s.face) << 32 | (s.corner ? kCorner : 0) |
              static_cast<std::uint32_t>(static_cast<std::uint16_t>(s.level)) << 8 | s.material) {}
   std::uint32_t face() const { return static_cast<std::uint32_t>(kind >> 32); }
   Scatterer scatterer() const {
@@ -59,7 +62,8 @@ struct ScattererKey {
             face(),
             level,
             material,
-            static_cast<std::int32_t>(bits << 21 >> 43)};
+            static_cast<std::int32_t>(bits << 21 >> 43),
+            (kind & kCorner) != 0};
   }
 };
 
@@ -85,15 +89,20 @@ class SpeckleField {
   /// A scatterer on a face, and what its voltage takes: bits of its amplitude and phase in its own bin, and
   /// where its phase is taken.
   struct OnFace {
-    bool whole;
+    bool whole;  ///< or a corner: of unit modulus
     std::uint64_t hash;
     glm::dvec3 reference_m;
   };
   OnFace on_face(double slant_range_m, const glm::dvec3& at_m, std::uint32_t building, std::uint32_t face,
-                 std::uint8_t material) const;
+                 std::uint8_t material, bool corner = false) const;
+
+  /// The scatterer of a wall's corner with the ground, at a place of its foot. One a cell of the wall's
+  /// length.
+  Scatterer corner(double slant_range_m, const glm::dvec3& at_m, std::uint32_t face,
+                   std::uint8_t material) const;
 
   /// u_c exp(-j 4 pi r_c / lambda): circular Gaussian with mean square 1 for a cell, unit modulus for a face
-  /// that is no larger than one.
+  /// that is no larger than one, and for a corner.
   /// bin: with an owner rule (simd/scatterer_owner.h), that of the power.
   std::complex<double> response(const Scatterer& scatterer, const OwnBin& bin = {}) const;
 
@@ -112,7 +121,8 @@ class SpeckleField {
 
  private:
   Scatterer of_face(double slant_range_m, const glm::dvec3& at_m, const BuildingFace& of, std::uint32_t face,
-                    std::uint8_t material) const;
+                    std::uint8_t material, bool corner = false) const;
+  glm::dvec3 reference_on(const BuildingFace& of, std::uint32_t building, const Scatterer& s) const;
   /// As one after the other does.
   void respond_alone(const SpeckleBlock& block, int k) const;
   std::uint64_t hash(const Scatterer& scatterer, std::uint64_t owner) const;

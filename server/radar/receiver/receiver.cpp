@@ -126,6 +126,22 @@ void Receiver::receive(BinBlock& bins, const ReceivedPlanes& wanted) const {
   if (looks_ == nullptr && wanted.any_video()) add_video_of_iq(video_, wanted.video8, wanted.video16, bins);
 }
 
+void Receiver::receive(PulseTrain& train) const {
+  if (!is_on_) return;
+  // Numbers beyond those of azimuth bins: 2^13 of these and 2^10 pulses are the most.
+  constexpr std::uint64_t kFirst = std::uint64_t{1} << 24;
+  constexpr std::uint64_t kPulses = std::uint64_t{1} << 10;
+  const auto n_range = static_cast<std::size_t>(train.n_range);
+  Scratch scratch(n_range, longest(noise_kernels_));
+  for (int pulse = 0; pulse < train.n_pulses; ++pulse) {
+    ask(std::int64_t{kReceptionABin} * train.n_range);
+    make_noise(kFirst + static_cast<std::uint64_t>(train.azimuths.first) * kPulses +
+                   static_cast<std::uint64_t>(pulse),
+               scratch);
+    receive_row(train.iq.data() + static_cast<std::size_t>(pulse) * n_range, scratch);
+  }
+}
+
 /// Adds a row's echoes to its noise; then what comes after.
 void Receiver::receive_row(std::complex<float>* iq, Scratch& scratch) const {
   const std::size_t n_range = voltage_gain_.size();

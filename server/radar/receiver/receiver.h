@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/radar/bins.h"
+#include "server/radar/pulse_train.h"
 #include "server/radar/receiver/looks_law.h"
 #include "server/radar/receiver/video.h"
 #include "server/radar/receiver/weather.h"
@@ -40,6 +41,8 @@ class Receiver {
   double iq_step() const { return range2_m2_.empty() ? lsb_ : 0; }
 
   void receive(BinBlock& bins, const ReceivedPlanes& wanted) const;
+  /// Each pulse with noise of its own.
+  void receive(PulseTrain& train) const;
 
   const VideoScale& video_scale() const { return video_; }
 

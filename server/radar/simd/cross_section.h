@@ -3,6 +3,7 @@
 // (ScatteringTable) of constant gamma and of geometric optics, for lanes side by side.
 #include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/float_lanes.h"
+#include "server/radar/simd/sea_table.h"
 
 namespace obliq {
 
@@ -52,6 +53,7 @@ struct EchoTable {
   double peak[256];
   double over_two_slope2[256];
   ElevationTable elevation;
+  const SeaTable* sea;  ///< of bare ground; null: none
 };
 
 /// The shortest wavelength that is allowed. The radar equation is one of the far field: nearer than this it

@@ -68,6 +68,21 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
                 cross_section_of(table, high_half(material), high_half(sec2)));
 }
 
+/// What water in the lanes in `seen` returns over what its material says; 1 of other ground. (d, h): a
+/// piece's middle; mean: of 1 / r^2.
+template <int n>
+OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d,
+                                Floats<n> h, Floats<n> mean) {
+  const SeaTable& sea = *cut.echo.sea;
+  const Floats<n> over_gamma = gather(sea.over_gamma, truncated(parts.material));
+  // A raster of gamma in its place stands in the place of the sea as well.
+  const Where<n> water = seen & (over_gamma > 0.0F) & ~(parts.raster_gamma < 0.0F);
+  if (!any(water)) return all<n>(1.0F);
+  const Floats<n> fall = d * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.sea_curve) * d) - h;
+  const Floats<n> sine = fall * sqrt(mean);
+  return select(water, over_gamma * sea_gamma(sea, sine, load_as<Floats<n>>(cut.against_wind)), all<n>(1.0F));
+}
+
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
 /// those that are not done are in `wanted`, from parts.at on.
 template <bool kSines, int n, class Labels>
@@ -150,6 +165,8 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
         if (cut.raster_gamma != nullptr) sigma = as_raster_says(parts.raster_gamma, sigma);
         gain *= sigma;
       }
+      if (cut.echo.sea != nullptr)
+        gain *= sea_gain<n>(cut, parts, in_swath, 0.5F * (d0 + d1), 0.5F * (h0 + h1), mean);
       Float sine{};
       // Labels have one text of both.
       const bool widths = kSines && (!Labels::kWanted || cut.echo.sines);

@@ -11,8 +11,10 @@
 #include "server/radar/simd/ground_plates.h"
 #include "server/radar/simd/ground_speckle.h"
 #include "server/radar/simd/profiles.h"
+#include "server/radar/simd/pulse_sums.h"
 #include "server/radar/simd/rays.h"
 #include "server/radar/simd/rows.h"
+#include "server/radar/simd/sea_texture.h"
 #include "server/radar/simd/sub_columns.h"
 
 namespace obliq {
@@ -26,6 +28,7 @@ namespace obliq {
   K(cut_at_range_bins)    \
   K(ground_echoes)        \
   K(ground_places)        \
+  K(sea_texture)          \
   K(profile_nodes)        \
   K(see_part)             \
   K(face_voltages)        \
@@ -44,6 +47,9 @@ namespace obliq {
   K(locked_sum)           \
   K(cancelled_sum)        \
   K(sharpened_sum)        \
+  K(doppler_turns)        \
+  K(pulse_sum)            \
+  K(turn_row)             \
   K(white_noise)          \
   K(filter_row)           \
   K(video_levels)         \

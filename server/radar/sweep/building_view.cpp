@@ -6,7 +6,6 @@
 #include <span>
 
 #include "server/radar/simd/kernels.h"
-#include "server/radar/sweep/ground_light.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
@@ -35,6 +34,7 @@ BuildingView::BuildingView(const ScenePlan& plan, const NearBuildings& near,
                            const ScatteringTable& scattering, double far_m)
     : plan_(plan),
       near_(near),
+      corner_view_(plan, scattering.corners()),
       near_view_(plan, near, scattering, far_m),
       far_m_(far_m),
       planes_(sweep_columns_per_bin(plan.settings())),
@@ -114,12 +114,13 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
     see(parts_[k], cells);
   }
   add_parts_together(cells);
+  corner_view_.put(profile, cells);
   return true;
 }
 
 /// Those behind the near ones see what these hide in the middle of each sub-column.
 void BuildingView::see_near(int azimuth_bin, EchoCells& cells) {
-  if (!near_view_.see(azimuth_bin, profile_, columns_, cells)) return;
+  if (!near_view_.see(azimuth_bin, profile_, columns_, corner_view_, cells)) return;
   const double from_rad = plan_.bins().azimuth_edge_rad(azimuth_bin);
   for (int k = 0; k < columns_.n; ++k)
     roofs_[static_cast<std::size_t>(k)] =
@@ -300,6 +301,11 @@ void BuildingView::see(const Part& part, EchoCells& cells) {
   int first = std::min(from, columns_.n - lanes);
   if (first < 0) first = 0;
   echoes_.n = 0;
+  if (corner_view_.wanted()) {
+    std::uint32_t faces[ConvexShape::kMost];
+    for (std::uint32_t k = 0; k < part.n; ++k) faces[k] = corners_[part.first + k].face;
+    corner_view_.see({columns_, centre_}, shape_, faces, part.material);
+  }
   for (int k = first; k < std::min(first + lanes, columns_.n); k += kLanes)
     active_kernels().see_part(columns_, shape_, k, std::min(kLanes, end - k), echoes_);
   if (echoes_.n > 0) add_echoes(part, cells);
@@ -388,11 +394,6 @@ void BuildingView::add_parts_together(EchoCells& cells) {
       sum.solid_angle_sr += of_parts_[k].solid_angle_sr;
     cells.add(profile_, sum);
   }
-}
-
-void BuildingView::kept_shares(int plane, float* kept, EchoCells& cells) const {
-  ask(columns_.nodes.n_nodes);
-  keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
 }
 
 }  // namespace obliq

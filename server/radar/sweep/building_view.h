@@ -9,6 +9,8 @@
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/sub_columns.h"
+#include "server/radar/sweep/corner_view.h"
+#include "server/radar/sweep/ground_light.h"
 #include "server/radar/sweep/near_view.h"
 #include "terrain/base/asking.h"
 
@@ -42,7 +44,10 @@ class BuildingView {
 
   /// Writes the share of a plane's light that buildings leave in each range bin of the bin seen last to
   /// kept[bin * 8], and marks in `cells` where they leave none.
-  void kept_shares(int plane, float* kept, EchoCells& cells) const;
+  void kept_shares(int plane, float* kept, EchoCells& cells) const {
+    ask(columns_.nodes.n_nodes);
+    keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
+  }
 
  private:
   struct Corner {
@@ -79,6 +84,7 @@ class BuildingView {
 
   const ScenePlan& plan_;
   const NearBuildings& near_;
+  CornerView corner_view_;
   NearView near_view_;
   double far_m_;
   int planes_;

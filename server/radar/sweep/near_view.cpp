@@ -84,7 +84,8 @@ NearView::NearView(const ScenePlan& plan, const NearBuildings& buildings, const 
                    double far_m)
     : plan_(plan), near_(buildings), scattering_(scattering), far_m_(far_m), sampler_(plan) {}
 
-bool NearView::see(int azimuth_bin, int profile, const SubColumns& columns, EchoCells& cells) {
+bool NearView::see(int azimuth_bin, int profile, const SubColumns& columns, CornerView& corners,
+                   EchoCells& cells) {
   buildings_ = near_.in(azimuth_bin);
   if (buildings_.empty()) return false;
   cut(azimuth_bin, columns.nodes.planes);
@@ -96,7 +97,7 @@ bool NearView::see(int azimuth_bin, int profile, const SubColumns& columns, Echo
     find_spans(strip, bearing);
     if (spans_.empty()) continue;
     sampler_.set({azimuth_bin, middle_rad, strip.to_rad - strip.from_rad, bearing});
-    march(strip, bearing, columns, plan_.bins().azimuth_edge_rad(azimuth_bin), cells);
+    march(strip, bearing, columns, plan_.bins().azimuth_edge_rad(azimuth_bin), corners, cells);
   }
   take_samples(cells);
   add_echoes(profile, cells);
@@ -146,7 +147,7 @@ void NearView::find_spans(const Strip& strip, SinCos bearing) {
 
 /// Passes the strip's walls and roofs outwards, and takes what they hide off its plane's ground.
 void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, double start_rad,
-                     const EchoCells& cells) {
+                     CornerView& corners, const EchoCells& cells) {
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const double width_rad = plan_.bins().azimuth_width_rad / columns.nodes.planes;
@@ -183,6 +184,19 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
                           : strip.slope > foot || clearance > 0 ? VisibleSegment::Foot::hidden
                                                                 : VisibleSegment::Foot::ground;
       if (wall.distance_m > 0) {
+        if (corners.wanted() && stands == VisibleSegment::Foot::ground) {
+          // A strip's ends may reach a little beyond the wall's.
+          const auto distance_m = [&](double off_rad) {
+            const double slope = wall.normal_x * (bearing.sin + off_rad * bearing.cos) +
+                                 wall.normal_z * (bearing.cos - off_rad * bearing.sin);
+            return std::clamp(-wall.distance_m / slope, wall.nearest_m, wall.farthest_m);
+          };
+          const double half_rad = (strip.to_rad - strip.from_rad) / 2;
+          corners.add(
+              {step.wall, building.material, wall.normal_x, wall.normal_z, bearing, 2 * half_rad, near_m,
+               distance_m(-half_rad), distance_m(half_rad), foot * near_m, roof_m, strip.slope, plane},
+              columns.nodes);
+        }
         sampler_.set_turn(turn_rad(cells.table(), building.material, wall.distance_m / near_m));
         sampler_.visible({near_m, 0, 0, 1, low * near_m, roof_m, wall.distance_m, step.wall,
                           building.material, false, 0, 0, true, wall.normal_x, wall.normal_z, wall.nearest_m,

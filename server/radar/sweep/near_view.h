@@ -6,6 +6,7 @@
 #include "server/radar/echo/scattering.h"
 #include "server/radar/profile/roofs.h"
 #include "server/radar/simd/sub_columns.h"
+#include "server/radar/sweep/corner_view.h"
 #include "server/radar/sweep/near_buildings.h"
 #include "server/radar/sweep/segment_sampler.h"
 
@@ -21,7 +22,8 @@ class NearView {
            double far_m);
 
   /// All near buildings of an azimuth bin; `profile`: its place in the wedge. False: there are none.
-  bool see(int azimuth_bin, int profile, const SubColumns& columns, EchoCells& cells);
+  /// Adds their corners to `corners`, where those are wanted.
+  bool see(int azimuth_bin, int profile, const SubColumns& columns, CornerView& corners, EchoCells& cells);
 
   /// What they hide at an offset from the sector's centre, as SubColumns::roofs.
   float roof_slope(double offset_rad) const;
@@ -33,7 +35,7 @@ class NearView {
   };
   void cut(int azimuth_bin, int planes);
   void find_spans(const Strip& strip, SinCos bearing);
-  void march(Strip& strip, SinCos bearing, const SubColumns& columns, double start_rad,
+  void march(Strip& strip, SinCos bearing, const SubColumns& columns, double start_rad, CornerView& corners,
              const EchoCells& cells);
   void take_samples(const EchoCells& cells);
   void add_echoes(int profile, EchoCells& cells);

@@ -46,6 +46,9 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
           world.raster_gamma.empty() ? nullptr : world.raster_gamma.data(),
           world.grid.nx,
           {nullptr, nullptr},
+          {},
+          {},
+          {},
           {}};
   // Of ground of one material that has none itself, the lobes of the others are not looked up.
   if (cut_.material == nullptr) cut_.echo.any_lobes = cut_.echo.peak[0] > 0;
@@ -131,6 +134,11 @@ void SweepEchoes::start_plane(int half) {
     cells_.set_bearing(run, bearing);
     if (returns_) returns_->start(run, plane_ + half, static_cast<int>(lane), bearing);
     const ElevationTable& elevation = cut_.echo.elevation;
+    if (const SeaTable* sea = cut_.echo.sea; sea != nullptr) {
+      cut_.sea_lean[run] = static_cast<float>(sea->lean(bearing.sin, bearing.cos));
+      cut_.sea_curve[run] = static_cast<float>(sea->curve(bearing.sin, bearing.cos));
+      cut_.against_wind[run] = static_cast<float>(bearing.sin * sea->wind_sin + bearing.cos * sea->wind_cos);
+    }
     cut_.lean[run] = static_cast<float>(elevation.lean_x * bearing.sin + elevation.lean_z * bearing.cos);
   }
 }

@@ -16,7 +16,8 @@ std::uint64_t target_key(std::uint64_t seed, std::uint64_t id, std::uint64_t dra
 
 Fluctuation fluctuation(int swerling, std::uint64_t id, const TargetDraw& draw) {
   const bool by_dwell = swerling == 2 || swerling == 4;
-  const std::uint64_t look = by_dwell ? mix64(draw.frame) ^ draw.dwell : draw.frame;
+  std::uint64_t look = by_dwell ? mix64(draw.frame) ^ draw.dwell : draw.frame;
+  if (by_dwell && draw.pulse != 0) look = mix64(look + draw.pulse);
   const std::uint64_t key = target_key(draw.seed, id, look);
   const std::uint64_t own = by_dwell ? key : target_key(draw.seed, id, 0);
   Fluctuation result;

@@ -69,6 +69,7 @@ struct TargetLook {
   std::uint64_t frame = 0;  ///< names the draw (TargetDraw), as dwell does
   std::uint64_t dwell = 0;
   bool truth = false;  ///< where each of them is is wanted too
+  bool moves = false;  ///< and how they move
 };
 
 }  // namespace obliq

@@ -41,7 +41,7 @@ std::complex<double> phasor(double modulus, double turns) {
 TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const TargetSet& targets,
                            AzimuthRange azimuths, const TargetLook& look)
     : plan_(plan),
-      doppler_(plan.sum() == nullptr ? nullptr : plan.sum()->doppler.get()),
+      doppler_(plan.sum() == nullptr ? nullptr : plan.sum()->filter()),
       azimuths_(azimuths),
       at_(look.at),
       draw_{static_cast<std::uint64_t>(targets.seed), look.frame, look.dwell},
@@ -55,7 +55,8 @@ TargetEchoes::TargetEchoes(const FramePlan& plan, const AirView& air, const Targ
       constant_(radar_equation_constant(settings_.power_w, wavelength_m_)),
       gain_(std::pow(10.0, settings_.gain_db / 10)),
       circle_bins_(kTurn_rad / plan.bins().azimuth_width_rad),
-      wants_truth_(look.truth) {
+      wants_truth_(look.truth),
+      wants_paths_(look.moves) {
   if (attenuates(settings_)) loss_db_km_ = path_loss_db_km(settings_, air);
   for (int m = 0; m < plan.bins().n_range && normalises_samples(settings_); ++m) {
     const double range_m = plan.bins().r_min_m + (m + 0.5) * plan.bins().range_spacing_m;
@@ -93,8 +94,9 @@ void TargetEchoes::see(const Target& target) {
 
   const double rcs_m2 = cross_section(target, *place);
   const double closing = doppler_ == nullptr ? 0 : closing_m_s(target, *age_s, *place);
+  const TargetPath path = wants_paths_ ? path_of(target, *age_s, *place) : TargetPath{};
   for (const Scatterer& scatterer : scatterers(target, *place))
-    add_scatterer(target.id, scatterer, share * scatterer.part * rcs_m2, closing);
+    add_scatterer(target.id, scatterer, share * scatterer.part * rcs_m2, closing, path);
 }
 
 std::vector<TargetEchoes::Scatterer> TargetEchoes::scatterers(const Target& target,
@@ -115,7 +117,10 @@ std::vector<TargetEchoes::Scatterer> TargetEchoes::scatterers(const Target& targ
   const bool is_of_many = target.size.swerling == 1 || target.size.swerling == 2;
   if (!is_of_many || cells <= 1) {
     const Fluctuation look = fluctuation(target.size.swerling, target.id, draw_);
-    return {{place.foot_m, 1, phasor(std::sqrt(look.power), look.phase_turns)}};
+    return {{place.foot_m,
+             1,
+             phasor(std::sqrt(look.power), look.phase_turns),
+             {target.size.swerling, target.id}}};
   }
   const auto n = static_cast<int>(std::min<double>(kMostScatterers, std::ceil(cells)));
   const std::uint64_t places = target_key(draw_.seed, target.id, 0);
@@ -131,9 +136,35 @@ std::vector<TargetEchoes::Scatterer> TargetEchoes::scatterers(const Target& targ
     TargetDraw draw = draw_;
     if (target.size.swerling == 1) draw.dwell = 0;
     const Fluctuation look = fluctuation(2, own, draw);
-    all.push_back({at_m, 1.0 / n, phasor(std::sqrt(look.power), look.phase_turns)});
+    all.push_back({at_m,
+                   1.0 / n,
+                   phasor(std::sqrt(look.power), look.phase_turns),
+                   {target.size.swerling == 1 ? 1 : 2, own}});
   }
   return all;
+}
+
+/// By where it is a moment before and after: along routes, over the ground.
+TargetPath TargetEchoes::path_of(const Target& target, double age_s, const TargetPlace& place) const {
+  constexpr double kMoment_s = 0.05;
+  TargetPath path{place.foot_m, {}, {}};
+  const World& world = plan_.scene().world();
+  const auto before = place_target(world, target, age_s - kMoment_s);
+  const auto after = place_target(world, target, age_s + kMoment_s);
+  if (!before || !after) return path;
+  path.velocity_m_s = (after->foot_m - before->foot_m) / (2 * kMoment_s);
+  path.acceleration_m_s2 =
+      (after->foot_m - place.foot_m - (place.foot_m - before->foot_m)) / (kMoment_s * kMoment_s);
+  return path;
+}
+
+std::complex<double> TargetEchoes::drawn_in_pulse(const TargetEcho& echo, int pulse) const {
+  const auto& [swerling, id] = echo.scintillation;
+  if (swerling != 2 && swerling != 4) return echo.drawn;
+  TargetDraw draw = draw_;
+  draw.pulse = static_cast<std::uint64_t>(pulse) + 1;
+  const Fluctuation look = fluctuation(swerling, id, draw);
+  return phasor(std::sqrt(look.power), look.phase_turns);
 }
 
 double TargetEchoes::closing_m_s(const Target& target, double age_s, const TargetPlace& place) const {
@@ -243,8 +274,12 @@ double TargetEchoes::power_w(const glm::dvec3& at_m, double range_m, double rcs_
 }
 
 void TargetEchoes::add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2,
-                                 double closing_m_s) {
+                                 double closing_m_s, const TargetPath& path) {
   TargetEcho echo = look_at(scatterer.at_m);
+  echo.path = path;
+  echo.path.at_m = scatterer.at_m;
+  echo.drawn = scatterer.drawn;
+  echo.scintillation = scatterer.scintillation;
   echo.id = id;
   echo.doppler_hz = 2 * closing_m_s / wavelength_m_;
   echo.power_w = power_w(scatterer.at_m, echo.range_m, rcs_m2);

@@ -25,6 +25,19 @@
 
 namespace obliq {
 
+/// p + v t + a t^2 / 2 from now on, in the world.
+struct TargetPath {
+  glm::dvec3 at_m{0.0};
+  glm::dvec3 velocity_m_s{0.0};
+  glm::dvec3 acceleration_m_s2{0.0};
+};
+
+/// How a scatterer fluctuates.
+struct TargetScintillation {
+  int swerling = 0;
+  std::uint64_t id = 0;  ///< whose draws it has
+};
+
 /// Of one scatterer of a target that is seen, before beam and point response.
 struct TargetEcho {
   std::uint64_t id = 0;
@@ -38,6 +51,9 @@ struct TargetEcho {
   double doppler_hz = 0;              ///< of the radar's own motion and the target's
   double power_w = 0;                 ///< mean
   std::complex<double> voltage{0.0};  ///< sqrt(W), with the draw and the phase of the way
+  TargetPath path;                    ///< where it was asked for (TargetLook::moves)
+  std::complex<double> drawn{0.0};    ///< what the mean's voltage is multiplied by
+  TargetScintillation scintillation;
 };
 
 /// Where a target is in a frame, seen or not.
@@ -72,6 +88,10 @@ class TargetEchoes {
   void name(BinBlock& bins) const;
 
   const std::vector<TargetEcho>& echoes() const { return echoes_; }
+  /// Where a point is seen, without what it returns.
+  TargetEcho look_at(const glm::dvec3& at_m) const;
+  /// TargetEcho::drawn of one pulse of a train, from 0 on.
+  std::complex<double> drawn_in_pulse(const TargetEcho& echo, int pulse) const;
   /// Where it was asked for, of those that are in the world: of all for a frame's whole sector, else of those
   /// in `azimuths`.
   const std::vector<TargetTruth>& truth() const { return truth_; }
@@ -80,16 +100,17 @@ class TargetEchoes {
   void see(const Target& target);
   void note_truth(const Target& target, double age_s, const TargetPlace& place, const TargetEcho& at);
   double closing_m_s(const Target& target, double age_s, const TargetPlace& place) const;
-  /// Where a point is seen, without what it returns.
-  TargetEcho look_at(const glm::dvec3& at_m) const;
+  TargetPath path_of(const Target& target, double age_s, const TargetPlace& place) const;
   /// What of it echoes by itself.
   struct Scatterer {
     glm::dvec3 at_m{0.0};
     double part = 1;                  ///< of the mean cross section
     std::complex<double> drawn{0.0};  ///< what the voltage of the mean is multiplied by
+    TargetScintillation scintillation;
   };
   std::vector<Scatterer> scatterers(const Target& target, const TargetPlace& place) const;
-  void add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2, double closing_m_s);
+  void add_scatterer(std::uint64_t id, const Scatterer& scatterer, double rcs_m2, double closing_m_s,
+                     const TargetPath& path);
   /// About the antenna's own vertical, as the ground's is.
   double elevation_rad(const glm::dvec3& at_m, double range_m) const;
   /// Of its aspect, mean, m^2.
@@ -128,6 +149,7 @@ class TargetEchoes {
   double loss_db_km_ = 0;
   std::vector<double> range2_m2_;  ///< [n_range] of range normalisation; else empty
   const bool wants_truth_;
+  const bool wants_paths_;
   std::vector<TargetEcho> echoes_;
   std::vector<TargetTruth> truth_;
 };

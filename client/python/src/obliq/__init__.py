@@ -49,12 +49,13 @@ from .recording import Loss, Recording
 from .recording import open_recording as open
 from .replay import ReplayState
 from .targets import Route, Target
+from .trains import RangeDoppler, Train
 
 __all__ = [
     "STATES", "Accepted", "BadStream", "CannotConnect", "ConnectionLost", "Control", "Dataset", "Done", "Dwell",
     "Fault", "Frame", "FrameAborted", "GroundPoints", "InvalidValue", "Job", "Loss", "NotInControl", "ObliqError",
-    "OverLimit", "Pose", "Radar", "RadarInfo", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly",
+    "OverLimit", "Pose", "Radar", "RadarInfo", "RangeDoppler", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly",
     "ReplayState", "Route", "Server", "ServerFull", "ServerInfo", "ServerStopping", "Settings", "Stream", "Target",
-    "Targets", "TimedOut", "Tls", "Unauthorized", "UnknownRadar", "Untrusted", "Wedge", "Window", "aio", "batch",
+    "Targets", "TimedOut", "Tls", "Train", "Unauthorized", "UnknownRadar", "Untrusted", "Wedge", "Window", "aio", "batch",
     "connect", "errors", "ground", "load", "local", "local_daemon", "open", "prepare", "todo", "wire",
 ]

@@ -11,8 +11,9 @@ from ._wire import Header
 from .errors import BadStream, FrameAborted
 from .frame import Dwell, Frame
 from .parameters import Pose
-from .planes import MISSED, NAMES, TYPES, Scaled, plain
+from .planes import BINS, MISSED, NAMES, TYPES, Scaled, plain
 from .targets import records_of
+from .trains import Train, Trains
 
 # Above any radar's limits; what is kept for each azimuth from a frame's beginning is then small.
 MOST_AZIMUTHS = 1 << 14
@@ -46,7 +47,7 @@ class Buffers:
 
     def give(self, frame: Frame) -> None:
         """Its arrays may be written again."""
-        for name in NAMES.values():
+        for name in BINS:
             values = getattr(frame, name)
             if values is not None:
                 self._free.setdefault((name, values.shape, values.dtype), []).append(values)
@@ -69,13 +70,15 @@ class Assembler:
         if not self.azimuth.n or not self.range.n:
             raise BadStream("a frame of a window without bins")
         self.shape = (self.azimuth.n, self.range.n)
+        self._trains = Trains(self.frame) if "pulses" in names else None
+        self.names = names
+        names = tuple(name for name in names if name != "pulses")
         self._bytes_of_value = {name: TYPES[name].itemsize if name in TYPES else 2 for name in names}
         self._bytes_needed = sum(self._bytes_of_value.values()) * self.shape[0] * self.shape[1]
         if self._bytes_needed > MOST_BYTES:
             raise BadStream(f"the frame needs {self._bytes_needed} bytes; allowed: at most {MOST_BYTES}")
         self._bytes_received = 0
         self.stream_id, self.frame_id = header.stream_id, begin.frame_id
-        self.names = names
         self._take = (buffers or Buffers()).take
         self._filled = {name: [0] * self.azimuth.n for name in names}
         self._fresh: set[str] = set()  # planes whose array is 0 where nothing has come
@@ -88,6 +91,10 @@ class Assembler:
         """Takes a block; returns the rows that it has completed in all planes, as a slice, or None."""
         name = NAMES.get(block.plane, "")
         values = plain(block, data)
+        if name == "pulses" and self._trains is not None:
+            if self._trains.bytes + self._bytes_needed > MOST_BYTES:
+                raise BadStream(f"the frame's pulses need more than {MOST_BYTES} bytes")
+            return self._trains.add(block, values, header.utc_ns)
         filled = self._filled.get(name)
         if filled is None:
             return None
@@ -150,6 +157,8 @@ class Assembler:
             lacking = sum(self.range.n - done for at, done in enumerate(filled) if done or at not in unseen)
             if lacking:
                 raise BadStream(f"the frame ended with {lacking} values of {name} missing")
+        if self._trains is not None:
+            self._trains.end()
         if self._bytes_needed > SMALL_BYTES and LEAST_PART * self._bytes_received < self._bytes_needed:
             raise FrameAborted("the scanning antenna missed nearly all of it")
         for name, filled in self._filled.items():
@@ -165,9 +174,10 @@ class Assembler:
 
 
 class Wedge:
-    """Neighbouring azimuths of a frame that have arrived in all planes. Its arrays are parts of the frame's.
+    """Neighbouring azimuths of a frame that have arrived in all planes, its arrays parts of the frame's; or a train of pulses
+    along them, without arrays.
 
-    frame: the whole, not yet complete. azimuth: rows of the frame's arrays. latency_s: from the beam, or the start of
+    train: of a radar that gives out its pulses; else None. frame: the whole, not yet complete. azimuth: rows of the frame's arrays. latency_s: from the beam, or the start of
     rendering. pose_age_s: from the pose's arrival at the server.
     """
 
@@ -185,8 +195,9 @@ class Wedge:
     def __init__(self, frame: Frame, rows: slice, block: wire.WedgeBlock, header: Header, received_ns: int, offset_ns: int):
         self.frame = frame
         self.azimuth = rows
-        for name in NAMES.values():
-            array = getattr(frame, name)
+        self.train: Train | None = frame.trains[-1] if NAMES.get(block.plane) == "pulses" else None
+        for name in BINS:
+            array = None if self.train is not None else getattr(frame, name)
             setattr(self, name, None if array is None else array[rows])
         self.pose: Pose = Dwell.pose_of(block)
         self.settings_version: int = block.settings_version

@@ -109,7 +109,10 @@ class PartWriter:
         def told(message: Message | None) -> dict[str, Any]:
             return {} if message is None else json_format.MessageToDict(message, preserving_proto_field_name=True)
 
-        for name, values in frame.planes().items():
+        arrays = frame.planes()
+        if frame.trains:
+            arrays["pulses"] = frame.trains[0].pulses
+        for name, values in arrays.items():
             if name not in self._arrays:
                 self._arrays[name] = _Array(self._folder / f"{name}.npy", values.dtype, values.shape, self._poses)
             array = self._arrays[name]

@@ -14,7 +14,9 @@ import numpy.typing as npt
 
 from . import mapping
 from .frame import Frame, restore
-from .planes import NUMBERS
+from .planes import BINS
+from .trains import messages_of as messages_of_trains
+from .trains import restore_trains
 from .xarrays import attributes, coordinates, need, variable_attributes
 
 FORMAT = 1  # of .npz files
@@ -61,7 +63,8 @@ def load(path: str | os.PathLike[str]) -> Frame:
 def messages_of(frame: Frame) -> dict[str, Any]:
     """What a file keeps beside the planes, as arrays."""
     summary = frame.summary.SerializeToString() if frame.summary is not None else b""
-    return {"descriptor": np.frombuffer(frame.descriptor.SerializeToString(), "u1"),
+    trains = messages_of_trains(frame.trains) if frame.trains else {}
+    return {**trains, "descriptor": np.frombuffer(frame.descriptor.SerializeToString(), "u1"),
             "summary": np.frombuffer(summary, "u1"),
             "utc_ns": np.int64(frame.utc.astype("i8")), "frame_id": np.uint64(frame.frame_id),
             "missed": np.array([(rows.start, rows.stop) for rows in frame.missed], "i8").reshape(-1, 2)}
@@ -69,8 +72,11 @@ def messages_of(frame: Frame) -> dict[str, Any]:
 
 def from_messages(planes: Mapping[str, npt.NDArray[Any]], kept: Mapping[str, Any]) -> Frame:
     """messages_of(), turned round."""
-    return restore(planes, bytes(kept["descriptor"]), bytes(kept["summary"]), int(kept["utc_ns"]), int(kept["frame_id"]),
-                   np.asarray(kept["missed"]).tolist())
+    frame = restore(planes, bytes(kept["descriptor"]), bytes(kept["summary"]), int(kept["utc_ns"]), int(kept["frame_id"]),
+                    np.asarray(kept["missed"]).tolist())
+    if "pulses" in kept:
+        restore_trains(frame, np.asarray(kept["pulses"]), bytes(kept["trains"]), np.asarray(kept["train_bytes"]))
+    return frame
 
 
 def save_npz(frame: Frame, path: pathlib.Path) -> None:
@@ -88,7 +94,7 @@ def load_npz(path: str | os.PathLike[str]) -> Frame:
             if "obliq_descriptor" not in names or int(kept["format"]) > FORMAT:
                 raise ValueError(f"{path}: not a frame that obliq saved, or by a later version")
             messages = {name[6:]: kept[name] for name in names if name.startswith("obliq_")}
-            planes = {name: kept[name] for name in NUMBERS if name in names}
+            planes = {name: kept[name] for name in BINS if name in names}
             return from_messages(planes, messages)
     except (zipfile.BadZipFile, EOFError, KeyError) as error:
         raise ValueError(f"{path}: damaged, or not a frame that obliq saved: {error}") from None
@@ -118,11 +124,21 @@ def save_nc(frame: Frame, path: pathlib.Path) -> None:
                 put("q", ("azimuth", "range"), values.imag, dict(its, long_name="quadrature, imaginary part of iq"))
             else:
                 put(name, ("azimuth", "range"), values, its)
-        for name, value in messages_of(frame).items():
-            if name in ("descriptor", "summary"):
+        kept = messages_of(frame)
+        if frame.trains:
+            for name, size in zip(("train", "pulse"), kept["pulses"].shape):
+                file.createDimension(name, size)
+            its = {"units": frame.unit, "long_name": "samples of pulse trains, real part"}
+            put("pulses_i", ("train", "pulse", "range"), kept["pulses"].real, its)
+            put("pulses_q", ("train", "pulse", "range"), kept["pulses"].imag, dict(its, long_name="the imaginary part"))
+            times = np.stack([train.times_s for train in frame.trains])
+            put("pulse_time", ("train", "pulse"), times, {"units": "s", "long_name": "from the middle of the train"})
+            put("train_bytes", "train", kept["train_bytes"], {"long_name": "length of each train's message"})
+        for name, value in kept.items():
+            if name in ("descriptor", "summary", "trains"):
                 file.createDimension(f"{name}_bytes", len(value))
                 put(f"obliq_{name}", f"{name}_bytes", value, {"long_name": f"protobuf message of the {name}"})
-        missed = messages_of(frame)["missed"].ravel()
+        missed = kept["missed"].ravel()
         file.setncatts({**attributes(frame), "history": "written by the obliq Python package",
                         **({"missed": missed} if missed.size else {})})
 
@@ -141,13 +157,18 @@ def load_nc(path: str | os.PathLike[str]) -> Frame:
         held = file.variables
         if "obliq_descriptor" not in held:
             raise ValueError(f"{path}: not a frame that obliq saved")
-        planes = {name: np.asarray(held[name][...]) for name in NUMBERS if name in held}
+        planes = {name: np.asarray(held[name][...]) for name in BINS if name in held}
         if "i" in held:
             iq = np.empty(held["i"].shape, np.complex64)
             iq.real, iq.imag = held["i"][...], held["q"][...]
             planes = {"iq": iq, **planes}
         missed = np.atleast_1d(getattr(file, "missed", np.empty(0, "i8")))
-        return from_messages(planes, {"descriptor": held["obliq_descriptor"][...].tobytes(),
+        trains = {}
+        if "pulses_i" in held:
+            pulses = np.empty(held["pulses_i"].shape, np.complex64)
+            pulses.real, pulses.imag = held["pulses_i"][...], held["pulses_q"][...]
+            trains = {"pulses": pulses, "trains": held["obliq_trains"][...].tobytes(), "train_bytes": held["train_bytes"][...]}
+        return from_messages(planes, {**trains, "descriptor": held["obliq_descriptor"][...].tobytes(),
                                       "summary": held["obliq_summary"][...].tobytes(), "utc_ns": held["time"][...],
                                       "frame_id": file.frame_id, "missed": missed.reshape(-1, 2)})
 

@@ -15,7 +15,8 @@ from . import obliq_pb2 as wire
 from . import places as _places
 from .errors import printable
 from .parameters import Pose, Settings
-from .planes import NAMES, Run
+from .planes import BINS, Run
+from .trains import Train, block_of_frame, train_of
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -63,6 +64,8 @@ class Frame:
 
     target: uint32, of the target whose mean power is the greatest in the bin the last 32 bits of its id; 0: none.
 
+    trains: of a radar that gives out its pulses (radar.mode = "pulses", plane "pulses"), obliq.Train for each dwell.
+
     targets: where truth was asked for, a structured array of obliq.targets.RECORD, a record a target: id, latitude_deg,
     longitude_deg, height_m (above the datum), bearing_deg, range_m (slant), elevation_deg, closing_m_s, snr_db (in the middle of
     beam and pulse; with is_power the echo's power, dBW), rcs_dbsm (as drawn), share_seen, azimuth_bin and range_bin (of the
@@ -85,6 +88,7 @@ class Frame:
     returns: npt.NDArray[np.uint8] | None = None
     target: npt.NDArray[np.uint32] | None = None
     targets: npt.NDArray[Any] | None = None
+    trains: tuple[Train, ...] = ()
     id: str | int | None = None
     split: str = ""
     scene: str = ""
@@ -120,12 +124,12 @@ class Frame:
     # What it is.
 
     def __repr__(self) -> str:
-        planes = " ".join(self.planes())
+        planes = " ".join([*self.planes(), *(["pulses"] if self.trains else [])])
         return printable(f"<obliq.Frame {self.frame_id} of {self.radar}: {self.shape[0]} x {self.shape[1]} bins, {planes}>")
 
     def planes(self) -> dict[str, npt.NDArray[Any]]:
         """Name -> array of the planes that are there."""
-        return {name: getattr(self, name) for name in NAMES.values() if getattr(self, name) is not None}
+        return {name: getattr(self, name) for name in BINS if getattr(self, name) is not None}
 
     @overload
     def plane(self, name: Literal["iq"]) -> npt.NDArray[np.complex64]: ...
@@ -232,6 +236,9 @@ class Frame:
         for name, values in self.planes().items():
             digest.update(f"{name} {values.dtype.str} {values.shape}\n".encode())
             digest.update(memoryview(np.ascontiguousarray(values)))  # type: ignore[arg-type, unused-ignore]
+        for train in self.trains:
+            digest.update(f"pulses {train.pulses.shape}\n".encode())
+            digest.update(memoryview(np.ascontiguousarray(train.pulses)))  # type: ignore[arg-type, unused-ignore]
         return digest.hexdigest()
 
     def copy(self) -> Frame:
@@ -281,6 +288,9 @@ def restore(planes: Mapping[str, npt.NDArray[Any]], descriptor: bytes, summary: 
     begin.frame_id = begin.frame.frame_id if frame_id is None else frame_id
     frame = Frame(begin, utc_ns)
     for name, values in planes.items():
+        if name == "pulses":  # of a data set: of a frame whose one train is along all of its azimuths
+            frame.trains = (train_of(frame, block_of_frame(frame), np.asarray(values), utc_ns),)
+            continue
         if values.shape != frame.shape:
             raise ValueError(f"{name}: found shape {values.shape}; allowed: {frame.shape}")
         setattr(frame, name, values)

@@ -83,8 +83,8 @@ class Settings(Fields):
         2 is blind. Allowed: number 1 to 1000000 Hz.
     pulse_stagger: Of pulse trains: intervals between pulses over 1 / prf_hz, one after the other, round and round; empty:
         all alike. Allowed: a list of up to 16 numbers, 0.5 to 2.
-    doppler_pulses: Pulses that a map sharpened by Doppler (dbs) adds up: beams become as narrow as their time allows.
-        Allowed: integer 2 to 1024.
+    doppler_pulses: Pulses that a map sharpened by Doppler (dbs) adds up, so that beams become as narrow as their time
+        allows; of a train (pulses). Allowed: integer 2 to 1024.
     doppler_window: Weights of these pulses, and of a synthetic aperture: wider beams, lower sidelobes. Allowed: "none" |
         "hamming" | "hann" | "taylor" | "blackman_harris".
     canceller: Delays of the moving target indicator (mti): more of them cancel more of the ground. Allowed: integer 1 to 3.
@@ -117,17 +117,18 @@ class Settings(Fields):
     rain_mm_h: Rain everywhere up to rain_top_m: attenuation and an echo of its own. Allowed: number 0 to 200 mm/h.
     rain_top_m: Height of the rain's top above the datum. Allowed: number -1000 to 20000 m.
     gas: Attenuation by oxygen and water vapour of the standard atmosphere at sea level. Allowed: true | false.
-    polarisation: Of the radar's wave, for the rain's attenuation. radar.polarisation is the same. Allowed: "horizontal" |
-        "vertical".
-    wind_m_s: Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them through.
-        Allowed: number 0 to 60 m/s.
+    polarisation: Of the radar's wave, for the rain's attenuation and the sea. radar.polarisation is the same. Allowed:
+        "horizontal" | "vertical".
+    wind_m_s: Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them through. It
+        gives the sea its direction, and with sea.state_auto its state. Allowed: number 0 to 60 m/s.
     wind_from_deg: Where the wind comes from, clockwise from true north: the sea returns more against it. Allowed: number 0
         to 360 deg.
-    sea_state: Sea state of all water, by the NRL model of mean sea clutter; 0: water returns what its material says. "auto"
-        in a scene file is sea.state_auto. Allowed: number 0 to 6.
+    sea_state: Sea state of all water (materials of model "sea"), by the NRL model of mean sea clutter; 0: water returns
+        what its material says. "auto" in a scene file is sea.state_auto. Allowed: number 0 to 6.
     sea_state_auto: The sea state that atmosphere.wind_m_s raises; a sea.state alone ends it. Allowed: true | false.
     sea_shape: Shape of the sea's texture in a small cell (K distribution): 0.1 is spiky, 20 nearly even; 0: no texture. Of
-        use with a sea state. Allowed: number 0 to 20.
+        use with a sea state. In a wind the texture drifts with the sim time: then echoes of a radar that stands still are
+        not kept from frame to frame. Allowed: number 0 to 20.
     """
 
     frequency_ghz: float | None = None

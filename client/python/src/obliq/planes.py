@@ -17,14 +17,15 @@ from .errors import BadStream
 
 # Number on the wire and type of a value, little-endian on any machine. A VIDEO value has as many bytes as its
 # blocks' sizes say.
-NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4, "material": 6, "building": 7, "height": 8, "returns": 9,
+NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4, "pulses": 5, "material": 6, "building": 7, "height": 8, "returns": 9,
            "target": 10}
 TYPES: dict[str, np.dtype[Any]] = {"iq": np.dtype("<c8"), "power": np.dtype("<f8"),
                                    "count": np.dtype("<u4"), "state": np.dtype("u1"), "material": np.dtype("u1"),
                                    "building": np.dtype("<f4"), "height": np.dtype("<f4"), "returns": np.dtype("u1"),
-                                   "target": np.dtype("<u4")}
+                                   "target": np.dtype("<u4"), "pulses": np.dtype("<c8")}
 VIDEO_TYPES: dict[int, np.dtype[Any]] = {1: np.dtype("u1"), 2: np.dtype("<u2")}
 NAMES = {number: name for name, number in NUMBERS.items()}
+BINS = tuple(name for name in NUMBERS if name != "pulses")  # of which a frame has [azimuth, range]
 FOUR = ("iq", "power", "count", "state")
 LABELS = ("material", "building", "height", "returns")
 NO_MATERIAL = 255
@@ -143,7 +144,7 @@ class Scaled(NamedTuple):
 
 
 def plain(block: wire.WedgeBlock, data: bytes | memoryview) -> npt.NDArray[Any] | Scaled:
-    """The values of a block's rectangle, [n_azimuth, n_range]: an array, or Scaled. BadStream where sizes or codings are not
+    """The values of a block's rectangle, [n_azimuth, n_range], of pulses [n_pulses, n_range]: an array, or Scaled. BadStream where sizes or codings are not
     possible."""
     name = NAMES.get(block.plane)
     if name is None:
@@ -151,9 +152,11 @@ def plain(block: wire.WedgeBlock, data: bytes | memoryview) -> npt.NDArray[Any] 
     if block.iq_encoding not in (0, 1) or block.compression not in (0, 1):
         raise BadStream(f"a data block in encoding {block.iq_encoding}, compression {block.compression}; allowed: 0 or 1")
     n, n_range, compression = block.n_azimuth, block.n_range, block.compression
+    if name == "pulses":
+        n = block.n_pulses
     bins = n * n_range
     size = block.plain_bytes if compression else len(data)
-    integers = name == "iq" and block.iq_encoding == 1
+    integers = name in ("iq", "pulses") and block.iq_encoding == 1
     kind: np.dtype[Any] | None
     if name == "video":
         kind = VIDEO_TYPES.get(size // bins if bins else 1)

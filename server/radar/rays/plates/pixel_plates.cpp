@@ -29,9 +29,11 @@ PlateField field_of(const ScenePlan& plan) {
           kReach_cells * world.grid.cell_m,
           kLook_cells,
           kTouching_m,
-          std::ranges::any_of(
-              plan.scene().materials(),
-              [](const Material& material) { return material.model != ScatteringModel::constant_gamma; }),
+          std::ranges::any_of(plan.scene().materials(),
+                              [](const Material& material) {
+                                return material.model != ScatteringModel::constant_gamma &&
+                                       material.model != ScatteringModel::sea;
+                              }),
           camera.pixel_width_m() / camera.near_m / 2,
           camera.pixel_height_m() / camera.near_m / 2,
           pitched ? std::sin(camera.pitch_rad) : 1.0,

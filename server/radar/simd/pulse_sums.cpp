@@ -1,0 +1,83 @@
+#include "server/radar/simd/pulse_sums.h"
+
+#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/float_lanes.h"
+
+namespace obliq::OBLIQ_ISA {
+namespace {
+
+struct ComplexLanes {
+  f32x16 re, im;
+};
+
+OBLIQ_INLINE ComplexLanes times(ComplexLanes a, ComplexLanes b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+
+/// exp(j 2 pi turns[] s) of 16 bins, each reduced in double.
+OBLIQ_INLINE ComplexLanes phasors(const double* turns, double s) {
+  float re[kFloatLanes], im[kFloatLanes];
+  for (int half = 0; half < kFloatLanes; half += kLanes) {
+    const SinCosOf<f64x8> at = sincos_turns(load(turns + half) * s);
+    to_memory(re + half, converted<float>(at.cos));
+    to_memory(im + half, converted<float>(at.sin));
+  }
+  return {load_floats(re), load_floats(im)};
+}
+
+}  // namespace
+
+void doppler_turns(const DopplerTurns& to) {
+  const DopplerRow& row = to.row;
+  for (int k = 0; k < row.n; k += kLanes) {
+    const f64x8 sine = converted<double>(load_as<f32x8>(row.sine + k));
+    const f64x8 cosine = sqrt(max(broadcast(0), 1.0 - sine * sine));
+    to_memory(to.turns + k, (row.level_hz * cosine + row.up_hz * sine) * load(row.turns_a_hz + k));
+  }
+}
+
+namespace {
+
+/// Pulses [begin, end) of a row whose phasor is z at the first; gains: of each, or null.
+OBLIQ_INLINE void add_pulses(const PulseSum& sum, int begin, int end, ComplexLanes z, ComplexLanes step,
+                             const float* gains) {
+  float* re = sum.out_re + static_cast<std::size_t>(begin) * sum.stride + sum.first;
+  float* im = sum.out_im + static_cast<std::size_t>(begin) * sum.stride + sum.first;
+  for (int k = begin; k < end; ++k, re += sum.stride, im += sum.stride) {
+    const ComplexLanes x = gains == nullptr ? z : ComplexLanes{z.re * gains[k], z.im * gains[k]};
+    store(re, load_floats(re) + x.re);
+    store(im, load_floats(im) + x.im);
+    z = times(z, step);
+  }
+}
+
+}  // namespace
+
+void pulse_sum(const PulseSum& sum) {
+  for (int r = 0; r < sum.n_rows; ++r) {
+    const double* const hz = sum.hz[r] + sum.first;
+    const ComplexLanes v{load_floats(sum.re[r] + sum.first), load_floats(sum.im[r] + sum.first)};
+    const ComplexLanes step = phasors(hz, sum.step_s);
+    const float* const gains = sum.gains[r];
+    for (int begin = 0; begin < sum.n_pulses; begin += PulseSum::kRenewed) {
+      const ComplexLanes z = times(v, phasors(hz, sum.start_s + begin * sum.step_s));
+      const int end = begin + PulseSum::kRenewed < sum.n_pulses ? begin + PulseSum::kRenewed : sum.n_pulses;
+      if (sum.has_gain_a_pulse) {
+        add_pulses(sum, begin, end, z, step, gains);
+      } else {
+        add_pulses(sum, begin, end, {z.re * gains[0], z.im * gains[0]}, step, nullptr);
+      }
+    }
+  }
+}
+
+void turn_row(const TurnedRow& row) {
+  for (int k = 0; k < row.n; k += kFloatLanes) {
+    const ComplexLanes z =
+        times({load_floats(row.re + k), load_floats(row.im + k)}, phasors(row.turns + k, row.times));
+    store(row.re + k, z.re);
+    store(row.im + k, z.im);
+  }
+}
+
+}  // namespace obliq::OBLIQ_ISA

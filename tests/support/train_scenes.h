@@ -1,0 +1,72 @@
+#pragma once
+// Trains of pulses in small scenes.
+#include <complex>
+#include <cstring>
+#include <vector>
+
+#include "server/radar/pulses/render_train.h"
+#include "tests/support/target_scenes.h"
+
+namespace obliq::test {
+
+inline double db(double ratio) { return 10 * std::log10(ratio); }
+
+/// X band, 3 degrees, 64 gates around 6 km.
+inline RadarSettings train_settings() {
+  RadarSettings s = radar_settings(FrustumKind::sweep, {5000, 7000, 21}, {105, 64}, {105, 1});
+  s.mode = RadarMode::pulses;
+  s.frequency_ghz = 9.4;
+  s.power_w = 1000;
+  s.gain_db = 30;
+  s.speckle = SpeckleKind::ground;
+  s.beam.pattern = BeamPattern::gaussian;
+  s.beam.width_deg = 3;
+  s.beam.extent_deg = 8;
+  return s;
+}
+
+/// v at psi degrees left of the sector's middle, which looks north.
+inline void fly(TargetScene& scene, double v_m_s, double psi_deg, double up_m_s = 0) {
+  PoseSettings& at = scene.pose().settings;
+  at.velocity_north_m_s = v_m_s * std::cos(psi_deg * kDegree_rad);
+  at.velocity_east_m_s = -v_m_s * std::sin(psi_deg * kDegree_rad);
+  at.velocity_up_m_s = up_m_s;
+}
+
+struct TrainChoice {
+  std::vector<Target> targets{};
+  double rate_deg_s = 0;
+  AzimuthRange azimuths{0, 0};  ///< count 0: all
+  std::uint64_t draw = 0;
+  int threads = 0;
+  SharpStore* sharp = nullptr;
+  const Receiver* receiver = nullptr;
+};
+
+inline PulseTrain train_of(const TargetScene& scene, const RadarSettings& s, const TrainChoice& choice = {}) {
+  const PlanResult planned = plan_frame(scene.shared(), snapshot(s), scene.pose());
+  EXPECT_TRUE(planned.plan != nullptr) << (planned.errors.empty() ? "" : planned.errors.front().text());
+  const TargetSet set{1, choice.targets};
+  RenderOptions options;
+  options.draw = choice.draw;
+  options.threads = choice.threads;
+  options.targets = &set;
+  options.sharp = choice.sharp;
+  options.receiver = choice.receiver;
+  const AzimuthRange all{0, s.azimuth_bins};
+  const TrainLook look{choice.azimuths.count == 0 ? all : choice.azimuths, choice.rate_deg_s};
+  return render_train(scene.shared(), *planned.plan, look, options)->train;
+}
+
+inline std::complex<double> sample(const PulseTrain& train, int pulse, int gate) {
+  return std::complex<double>(
+      train.iq[static_cast<std::size_t>(pulse) * static_cast<std::size_t>(train.n_range) +
+               static_cast<std::size_t>(gate)]);
+}
+
+inline bool same_train(const PulseTrain& a, const PulseTrain& b) {
+  return a.iq.size() == b.iq.size() &&
+         std::memcmp(a.iq.data(), b.iq.data(), a.iq.size() * sizeof a.iq[0]) == 0;
+}
+
+}  // namespace obliq::test
