@@ -166,10 +166,12 @@ void paint_polygons(World& world, const SurfaceSpec& surface, const GeoWindow& w
 void paint_surfaces(World& world, const WorldSpec& spec, const Progress& progress) {
   if (spec.surfaces.empty()) return;
   const HeightGrid& grid = world.grid;
-  world.surface_material.resize(static_cast<std::size_t>(grid.nx - 1) * static_cast<std::size_t>(grid.nz - 1),
-                                0);
+  const std::size_t cells = static_cast<std::size_t>(grid.nx - 1) * static_cast<std::size_t>(grid.nz - 1);
+  // Rasters alone leave the materials as they are.
+  if (std::ranges::any_of(spec.surfaces, [](const SurfaceSpec& s) { return !s.source.empty() || s.paints; }))
+    world.surface_material.resize(cells, 0);
   if (std::ranges::any_of(spec.surfaces, [](const SurfaceSpec& s) { return !s.gamma_raster.empty(); }))
-    world.raster_gamma.assign(world.surface_material.size(), 1.0F);
+    world.raster_gamma.assign(cells, 1.0F);
   const GeoWindow window = geo_window(world);
   for (std::size_t k = 0; k < spec.surfaces.size(); ++k) {
     if (progress) progress("surfaces", static_cast<double>(k) / static_cast<double>(spec.surfaces.size()));
