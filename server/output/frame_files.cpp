@@ -1,6 +1,6 @@
 #include "server/output/frame_files.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cerrno>

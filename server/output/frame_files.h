@@ -26,7 +26,7 @@ void prepare_output_folder(const std::filesystem::path& directory);
 struct FrameFileOptions {
   PictureOptions picture;                   ///< ground_map.tif is always north up
   const SampleTextures* samples = nullptr;  ///< for samples.exr
-  const PulseTrain* train = nullptr;        ///< for pulses.npy, [pulses][range bins]
+  std::vector<PulseTrain> trains{};         ///< for pulses.npy, [trains][pulses][range bins]
   /// World coordinates; ground_map.tif is placed by its heights. Without: as if all ground lay at one.
   const HeightGrid* ground = nullptr;
 };

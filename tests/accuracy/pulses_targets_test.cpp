@@ -152,6 +152,44 @@ TEST(PulsesOfTargets, WalkThroughRangeAndShowNearerByTheirChirp) {
   EXPECT_NEAR((centre_m(31) + centre_m(32)) / 2, 6000 + coupling_m, 0.05);
 }
 
+TEST(PulsesOfTargets, FlyIntoTheGates) {
+  TargetScene scene(no_ground(), kAntenna_m, black());
+  RadarSettings s = train_settings();
+  s.doppler.pulses = 1000;
+  Target target = in_the_air(scene, 7050);  // the gates end at 7000
+  target.velocity_m_s = {0, 0, -500};
+  const PulseTrain train = train_of(scene, s, {.targets = {target}});
+  const auto last = static_cast<std::size_t>(s.range_bins - 1);
+  const auto seen = [&](int pulse) { return std::abs(sample(train, pulse, static_cast<int>(last))); };
+  const double full = seen(640);
+  EXPECT_GT(full, 0);
+  for (int pulse = 0; pulse < 1000; pulse += 7) {
+    const double range_m = 7050 - 500 * (pulse - 499.5) * 1e-3;
+    if (std::abs(range_m - 7000) < 1) continue;
+    EXPECT_EQ(seen(pulse) > 0.5 * full, range_m < 7000 && range_m > 7000 - s.range_bin_m()) << pulse;
+  }
+}
+
+TEST(PulsesOfTargets, AreEclipsedWhereTheyShow) {
+  TargetScene scene(made_world(20000, 100, [](double, double) { return 0.0; }), kAntenna_m, black());
+  RadarSettings s = train_settings();
+  s.r_min_m = 100;
+  s.r_max_m = 2100;
+  s.range_bins = 1000;
+  s.pulse.prf_hz = 12500;
+  s.pulse.kind = PulseKind::rectangular;
+  s.pulse.length_us = 10;  // c tau / 2 = 1499 m
+  const auto peak = [&](double range_m, bool eclipse) {
+    s.pulse.eclipse = eclipse;
+    const PulseTrain train = train_of(scene, s, {.targets = {in_the_air(scene, range_m)}});
+    return std::abs(sample(train, 3, static_cast<int>((750 - s.r_min_m) / s.range_bin_m())));
+  };
+  for (const double trip : {0.0, 1.0})
+    EXPECT_NEAR(peak(750 + trip * 11991.69832, true) / peak(750 + trip * 11991.69832, false), 750 / 1498.96,
+                1e-3)
+        << trip;
+}
+
 TEST(PulsesOfTargets, OfSwerlingTwoAreDrawnInEachPulse) {
   TargetScene scene(no_ground(), kAntenna_m, black());
   RadarSettings s = train_settings();

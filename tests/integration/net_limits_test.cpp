@@ -163,6 +163,28 @@ TEST(RequestLimits, ASweepHasItsPlanesTimesItsRangeBinsForPixels) {
   EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).work(), 3300);
 }
 
+TEST(RequestLimits, ARenderOnceMakesOneTrainWhateverItsAntennaDoes) {
+  RadarSettings settings = radar_settings(FrustumKind::sweep, {}, {96, 160}, {96, 1});
+  settings.mode = RadarMode::pulses;
+  settings.beam.pattern = BeamPattern::gaussian;
+  settings.doppler.pulses = 400;
+  settings.scan_mode = ScanMode::sector;
+  settings.scan_dwell_bins = 24;
+  net::ServerOptions options;
+  options.max_bins = 100'000;
+  const auto planes = wire::kPulsesPlane;
+  EXPECT_EQ(net::once_cost(settings, planes, options).samples, 64'000);
+  EXPECT_FALSE(net::over_limit(settings, net::once_cost(settings, planes, options), 0, options));
+  const auto over = net::over_limit(settings, net::live_cost(settings, planes, options), 0, options);
+  ASSERT_TRUE(over);
+  EXPECT_EQ(over->field.found, "400 x 160 x 4");
+  // What is in memory is the pulses and some rows, not all rows that there may be.
+  settings.azimuth_bins = 512;
+  settings.range_bins = 8192;
+  settings.doppler.pulses = 1024;
+  EXPECT_LT(net::once_cost(settings, planes, options).bytes, 8'000'000'000);
+}
+
 TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   RadarSettings settings;
   settings.azimuth_bins = 1000;

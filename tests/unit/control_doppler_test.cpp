@@ -44,23 +44,40 @@ TEST(DopplerSettings, ThatNoTrainCanBeMadeOfAreRefusedByName) {
   EXPECT_EQ(refused(s),
             "pulse.prf_hz: found 20000.0 with radar.r_max_m = 11000.0: the next pulse is sent before the "
             "last gate; "
-            "allowed: at most 13626.93 Hz, or radar.r_max_m = 7494.0");
-  s.pulse.prf_hz = 13626.93;
+            "allowed: at most 13626.929 Hz, or radar.r_max_m = 7494.0");
+  s.pulse.prf_hz = 13626.929;
   EXPECT_EQ(all_text(validate(s)), "");
   s.pulse.stagger = {1, 0.5, 2};
   EXPECT_NE(refused(s).find("and a pulse.stagger of 0.5"), std::string::npos);
   s = valid(RadarMode::pulses);
   s.speckle = SpeckleKind::none;
-  EXPECT_EQ(refused(s).substr(0, 61), "radar.speckle: found \"none\" with radar.mode = \"pulses\"; allo");
+  EXPECT_EQ(refused(s).substr(0, 60), "radar.speckle: found \"none\" with radar.mode = \"pulses\"; allo");
   s = valid(RadarMode::pulses);
   s.beam.pattern = BeamPattern::off;
-  EXPECT_EQ(refused(s).substr(0, 60), "radar.mode: found \"pulses\" with beam.pattern = \"off\"; allow");
+  EXPECT_EQ(refused(s).substr(0, 59), "radar.mode: found \"pulses\" with beam.pattern = \"off\"; allow");
   for (const std::vector<double>& ratios :
        {std::vector<double>{0.4}, {1, 2.1}, std::vector<double>(17, 1.0)}) {
     s = valid(RadarMode::pulses);
     s.pulse.stagger = ratios;
     EXPECT_EQ(refused(s).substr(0, 14), "pulse.stagger:");
   }
+}
+
+TEST(DopplerWarnings, SayThatATrainIsLongerThanItsDwell) {
+  RadarSettings s = valid(RadarMode::pulses);
+  s.scan_mode = ScanMode::sector;
+  s.scan_rate_deg_s = 90;
+  s.scan_dwell_bins = 16;  // 62.5 ms
+  s.pulse.prf_hz = 1000;
+  s.doppler.pulses = 62;
+  EXPECT_TRUE(doppler_warnings(s, {}).empty());
+  s.doppler.pulses = 125;
+  const auto warnings = doppler_warnings(s, {});
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("doppler.pulses = 125: a train takes 125 ms and a dwell 62.5 ms"),
+            std::string::npos)
+      << warnings[0];
+  EXPECT_NE(warnings[0].find("62 pulses fit"), std::string::npos);
 }
 
 TEST(DopplerSettings, ThatDoNotAreRefusedByName) {

@@ -5,6 +5,7 @@
 
 #include "client/frame_assembler.h"
 #include "server/output/ground_map_png.h"
+#include "server/radar/pulse_train.h"
 
 namespace obliq::wire {
 class FrameDescriptor;
