@@ -32,7 +32,7 @@ FrameCost rendering_cost(const RadarSettings& settings, wire::PlaneSet planes, c
 }
 
 /// Of these planes in one frame: of bins, and of its trains of pulses.
-std::int64_t plane_bytes(const RadarSettings& settings, wire::PlaneSet planes, const FrameCost& cost) {
+std::int64_t plane_bytes(wire::PlaneSet planes, const FrameCost& cost) {
   const std::int64_t of_bins =
       wire::bytes_per_bin(static_cast<wire::PlaneSet>(planes & wire::kBinPlanes)) * cost.bins;
   if ((planes & wire::kPulsesPlane) == 0) return of_bins;
@@ -52,21 +52,20 @@ FrameCost once_cost(const RadarSettings& settings, wire::PlaneSet planes, const 
   FrameCost cost = rendering_cost(settings, planes, options);
   // One train, whatever its antenna does.
   if (cost.samples > 0) cost.samples = std::int64_t{settings.doppler.pulses} * settings.range_bins;
-  cost.bytes +=
-      std::min(plane_bytes(settings, planes, cost), 2 * static_cast<std::int64_t>(options.slice_bytes));
+  cost.bytes += std::min(plane_bytes(planes, cost), 2 * static_cast<std::int64_t>(options.slice_bytes));
   return cost;
 }
 
 FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost = rendering_cost(settings, planes, options);
-  cost.bytes += plane_bytes(settings, planes, cost) * (options.queue_frames + 1);
+  cost.bytes += plane_bytes(planes, cost) * (options.queue_frames + 1);
   return cost;
 }
 
 FrameCost replay_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
-  cost.bytes = plane_bytes(settings, planes, cost) * (options.queue_frames + 2);
+  cost.bytes = plane_bytes(planes, cost) * (options.queue_frames + 2);
   return cost;
 }
 

@@ -107,9 +107,9 @@ TEST(FrameAssembler, WhatAPassMissedIsNotSampled) {
 /// A frame of trains alone, each value telling where it belongs.
 struct Trains {
   static constexpr int kPulses = 20;
-  explicit Trains(int n_range = 32, const wire::Window& window = {},
+  explicit Trains(int ranges = 32, const wire::Window& window = {},
                   wire::IqEncoding iq = wire::IqEncoding::cf32_le)
-      : n_range(n_range), frames(wire::kPulsesPlane) {
+      : n_range(ranges), frames(wire::kPulsesPlane) {
     StreamChoice choice;
     choice.planes = wire::kPulsesPlane;
     choice.format = {.iq = iq, .window = window};
