@@ -274,8 +274,13 @@ TEST_F(Explain, MistakesAreRefusedAsByRender) {
   const std::size_t at = two.find("[radar]");
   const std::string radars = two.substr(0, at) + two.substr(two.find("[frustum]"));
   const Outcome unnamed = explain(radars);
-  EXPECT_EQ(unnamed.code, 1);
-  EXPECT_NE(unnamed.err.find("--radar: found nothing; allowed: a, b"), std::string::npos) << unnamed.err;
+  EXPECT_EQ(unnamed.code, 0) << unnamed.err;
+  EXPECT_NE(unnamed.err.find("radar \"a\", the first of the scene's; --radar chooses another"),
+            std::string::npos)
+      << unnamed.err;
+  const Outcome misnamed = explain(radars, {"--radar", "c"});
+  EXPECT_EQ(misnamed.code, 1);
+  EXPECT_NE(misnamed.err.find("--radar: found c; allowed: a, b"), std::string::npos) << misnamed.err;
   const Outcome low = explain(flat_scene("", 1100, 2000, 20), {"--set", "antenna.height_m=-5"});
   EXPECT_EQ(low.code, 1);
   EXPECT_NE(low.err.find("below the ground"), std::string::npos) << low.err;

@@ -26,6 +26,8 @@ void run(const SceneConfig& config, const ExplainArguments& arguments) {
   if (!arguments.out.empty()) prepare_output_folder(arguments.out);
   const RadarConfig& radar =
       arguments.radar.empty() ? config.radars.front() : choose_radar(config, arguments.radar);
+  if (arguments.radar.empty() && config.radars.size() > 1)
+    say_on_terminal("radar \"" + radar.name + "\", the first of the scene's; --radar chooses another");
   say_notes(config);
   say_accuracy_is_ignored(config, "explain");
   const Progress progress = terminal_progress();
