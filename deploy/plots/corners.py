@@ -14,7 +14,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from modes import SCENES, obliq, on_ground
 
-DISTANCE_M = 10400.0  # from the antenna to the town's middle
+DISTANCE_M = 10400.0  # from the antenna to what it turns about
+TOWN_M = (420.0, 10330.0)  # the rectangular quarter's middle, east and north of the scene's antenna
 
 
 def looks(pose):
@@ -37,16 +38,19 @@ def main():
         scene = folder / "corners_scene.toml"
         text = (SCENES / "town.toml").read_text(encoding="utf-8")
         text = text.replace("corners = true", f"corners = {str(corners).lower()}").replace('source = "', f'source = "{SCENES}/')
+        text = text[: text.index('[[radar]]\nname = "dbs"')]  # one of its radars is enough
         scene.write_text(text, encoding="utf-8")
         with obliq.local(scene) as server:
             info = server.radar("real_beam").info()
             settings = info.settings.replace(beam_pattern="off", pulse_kind="off", speckle="none")
             for axis, (turned, pose) in zip(axes[row], looks(info.pose)):
                 frame = server.render(settings, pose, planes="power")
-                centre = (DISTANCE_M * math.sin(math.radians(turned)), DISTANCE_M * math.cos(math.radians(turned)))
-                image = 10 * np.log10(np.maximum(on_ground(frame, frame.power, centre, 1300.0, 600), 1e-30))
+                # Of the town, from the second antenna's place.
+                centre = (TOWN_M[0] + DISTANCE_M * math.sin(math.radians(turned)), TOWN_M[1] - DISTANCE_M * (1 - math.cos(math.radians(turned))))
+                image = 10 * np.log10(np.maximum(on_ground(frame, frame.power, centre, 480.0, 600), 1e-30))
                 if levels is None:
-                    levels = np.nanpercentile(image, 8), np.nanpercentile(image, 99.3) + 6
+                    ground = np.nanmedian(image)
+                    levels = ground - 10, ground + 32
                 axis.imshow(image, cmap="gray", vmin=levels[0], vmax=levels[1])
                 axis.set_title(f"heading {turned:.0f} deg, corners {'on' if corners else 'off'}")
                 axis.set_axis_off()

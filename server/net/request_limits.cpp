@@ -65,6 +65,7 @@ FrameCost live_cost(const RadarSettings& settings, wire::PlaneSet planes, const 
 FrameCost replay_cost(const RadarSettings& settings, wire::PlaneSet planes, const ServerOptions& options) {
   FrameCost cost;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
+  cost.samples = pulse_samples(settings);
   cost.bytes = plane_bytes(planes, cost) * (options.queue_frames + 2);
   return cost;
 }

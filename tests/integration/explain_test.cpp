@@ -280,7 +280,7 @@ TEST_F(Explain, MistakesAreRefusedAsByRender) {
       << unnamed.err;
   const Outcome misnamed = explain(radars, {"--radar", "c"});
   EXPECT_EQ(misnamed.code, 1);
-  EXPECT_NE(misnamed.err.find("--radar: found c; allowed: a, b"), std::string::npos) << misnamed.err;
+  EXPECT_NE(misnamed.err.find("--radar: found \"c\"; allowed: a, b"), std::string::npos) << misnamed.err;
   const Outcome low = explain(flat_scene("", 1100, 2000, 20), {"--set", "antenna.height_m=-5"});
   EXPECT_EQ(low.code, 1);
   EXPECT_NE(low.err.find("below the ground"), std::string::npos) << low.err;
