@@ -29,7 +29,7 @@ BEFORE = [
 AFTER = [
     "bare no targets, in bins 0", NO_TRUTH, NO_TRUTH, NO_TRUTH, "viewer sees echoes: True, truth: False", "cleared 0",
     "released: obliq error 103: not claimed: targets; claim them first",
-    'unknown plane: obliq error 5: the JSON of Subscribe: planes: found "TARGETS"; allowed: IQ, POWER, COUNT, STATE, VIDEO, MATERIAL, '
+    'unknown plane: obliq error 5: the JSON of Subscribe: planes: found "TARGETS"; allowed: IQ, POWER, COUNT, STATE, VIDEO, PULSES, MATERIAL, '
     "BUILDING, HEIGHT, RETURNS, TARGET"]
 OF_A_PASS = 2 * ["pass: 1 target, its bin says 1"]
 

@@ -177,8 +177,8 @@ class Wedge:
     """Neighbouring azimuths of a frame that have arrived in all planes, its arrays parts of the frame's; or a train of pulses
     along them, without arrays.
 
-    train: of a radar that gives out its pulses; else None. frame: the whole, not yet complete. azimuth: rows of the frame's arrays. latency_s: from the beam, or the start of
-    rendering. pose_age_s: from the pose's arrival at the server.
+    train: of a radar that gives out its pulses; else None. frame: the whole, not yet complete. azimuth: rows of the frame's
+    arrays. latency_s: from the beam, or the start of rendering. pose_age_s: from the pose's arrival at the server.
     """
 
     iq: npt.NDArray[np.complex64] | None

@@ -17,8 +17,8 @@ from .errors import BadStream
 
 # Number on the wire and type of a value, little-endian on any machine. A VIDEO value has as many bytes as its
 # blocks' sizes say.
-NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4, "pulses": 5, "material": 6, "building": 7, "height": 8, "returns": 9,
-           "target": 10}
+NUMBERS = {"iq": 0, "power": 1, "count": 2, "state": 3, "video": 4, "pulses": 5, "material": 6, "building": 7, "height": 8,
+           "returns": 9, "target": 10}
 TYPES: dict[str, np.dtype[Any]] = {"iq": np.dtype("<c8"), "power": np.dtype("<f8"),
                                    "count": np.dtype("<u4"), "state": np.dtype("u1"), "material": np.dtype("u1"),
                                    "building": np.dtype("<f4"), "height": np.dtype("<f4"), "returns": np.dtype("u1"),
@@ -144,8 +144,8 @@ class Scaled(NamedTuple):
 
 
 def plain(block: wire.WedgeBlock, data: bytes | memoryview) -> npt.NDArray[Any] | Scaled:
-    """The values of a block's rectangle, [n_azimuth, n_range], of pulses [n_pulses, n_range]: an array, or Scaled. BadStream where sizes or codings are not
-    possible."""
+    """The values of a block's rectangle, [n_azimuth, n_range], of pulses [n_pulses, n_range]: an array, or Scaled. BadStream
+    where sizes or codings are not possible."""
     name = NAMES.get(block.plane)
     if name is None:
         raise BadStream(f"a data block of plane {block.plane}; allowed: {', '.join(map(str, sorted(NAMES)))}")

@@ -38,7 +38,8 @@ class Train:
     pulses: complex64 [pulse, gate], the unit of Frame.unit. azimuth: rows of the frame's arrays that it was sent along. pose: of
     its middle. period_ns: intervals from pulse to pulse, one after the other, round and round. boresight_start_deg: of the
     beam at pulse 0, clockwise from the antenna's true north; boresight_rate_deg_s: how it turns. range_m: slant range of each
-    gate. wavelength_m: of the carrier. utc: of the beam where the antenna scans, else of the start of rendering; by the server's clock.
+    gate. wavelength_m: of the carrier. utc: of the beam where the antenna scans, else of the start of rendering; by the
+    server's clock.
     """
 
     pulses: npt.NDArray[np.complex64]
