@@ -92,7 +92,7 @@ class ReceiverStream : public testing::Test {
   client::Client client_;
 };
 
-constexpr wire::PlaneSet kEvery = wire::kEveryPlane;
+constexpr wire::PlaneSet kEvery = wire::kBinPlanes;
 
 TEST_F(ReceiverStream, EachLiveFrameHasItsOwnNoiseAndCanBeHadAgain) {
   wire::Subscribe request = subscription(kEvery);
