@@ -171,6 +171,7 @@ TEST(RequestLimits, ARenderOnceMakesOneTrainWhateverItsAntennaDoes) {
   settings.scan_mode = ScanMode::sector;
   settings.scan_dwell_bins = 24;
   net::ServerOptions options;
+  options.max_memory_mb = 1 << 20;
   options.max_bins = 100'000;
   const auto planes = wire::kPulsesPlane;
   EXPECT_EQ(net::once_cost(settings, planes, options).samples, 64'000);

@@ -185,7 +185,7 @@ TEST(FrameAssembler, TrainsWithGapsAreRefused) {
   ASSERT_TRUE(feed(mixed.frames, *mixed.blocks(0).front()).ok());
   EXPECT_FALSE(feed(mixed.frames, *mixed.blocks(8).back()).ok());
   Trains beyond;
-  EXPECT_EQ(beyond.add(24).text, "a train of pulses does not fit the frame");
+  EXPECT_EQ(beyond.add(20).text, "a train of pulses does not fit the frame");
 }
 
 TEST(FrameAssembler, APassCannotMissMoreThanItHas) {

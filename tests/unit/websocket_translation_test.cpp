@@ -268,9 +268,9 @@ TEST(WebSocketTranslation, AKeyStandsOnceAndAListHasNoMoreValuesThanThereAreToNa
   EXPECT_NE(refusal_of(MessageType::subscribe, R"({"rate_hz":1,"rateHz":1})"), "") << "the same field";
   EXPECT_NE(refusal_of(MessageType::subscribe, R"({"planes":["IQ"],"planes":["POWER"]})"), "");
   const std::string all =
-      R"("IQ","POWER","COUNT","STATE","VIDEO","MATERIAL","BUILDING","HEIGHT","RETURNS","TARGET")";
+      R"("IQ","POWER","COUNT","STATE","VIDEO","PULSES","MATERIAL","BUILDING","HEIGHT","RETURNS","TARGET")";
   EXPECT_EQ(refusal_of(MessageType::subscribe, R"({"planes":[)" + all + "]}"), "");
-  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"planes":[)" + all + R"(,"IQ"]})").find("at most 10"),
+  EXPECT_NE(refusal_of(MessageType::subscribe, R"({"planes":[)" + all + R"(,"IQ"]})").find("at most 11"),
             std::string::npos);
   EXPECT_NE(refusal_of(MessageType::subscribe, R"({"planes":"IQ"})").find("allowed: a list"),
             std::string::npos);

@@ -98,7 +98,9 @@ TEST(Planes, HaveTheSizesOfTheTable) {
   EXPECT_EQ(bytes_per_bin(Plane::count), 4u);
   EXPECT_EQ(bytes_per_bin(Plane::state), 1u);
   EXPECT_EQ(bytes_per_bin(Plane::video), 2u);
-  EXPECT_FALSE(plane_from_number(5).has_value());
+  EXPECT_EQ(bytes_per_bin(Plane::pulses), 8u);
+  EXPECT_EQ(plane_from_number(5), Plane::pulses);
+  EXPECT_FALSE(plane_from_number(kPlanes).has_value());
   EXPECT_FALSE(plane_from_number(-1).has_value());
 }
 
