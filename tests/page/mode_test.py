@@ -112,7 +112,7 @@ class Modes(unittest.TestCase):
         self.take_control()
         self.press("sar")
         self.await_mode("sar")
-        self.assertEqual(self.page.script(SHOWN), ["doppler.window", "doppler.resolution_m"])
+        self.assertEqual(self.page.script(SHOWN), ["pulse.prf_hz", "doppler.window", "doppler.resolution_m"])
         self.assertIn("at most 10°", self.page.script(f"return {SAYS}"))
         self.page.await_script("document.querySelector('.annun .mode').textContent === 'SAR'", "the picture's word")
         self.shot("mode-sar")
