@@ -133,6 +133,17 @@ void GroundPulses::cut_by_eclipse(const PulseTrip& trip) {
   ask(kBinWork * static_cast<std::int64_t>(stride_));
 }
 
+/// Voltages of a row, less what its eclipse takes; iq: [stride][2].
+void GroundPulses::set_iq(Row& row, const float* iq) const {
+  row.re.resize(stride_);
+  row.im.resize(stride_);
+  for (std::size_t m = 0; m < stride_; ++m) {
+    const float left = eclipsed_.empty() ? 1.0F : eclipsed_[m];
+    row.re[m] = iq[2 * m] * left;
+    row.im[m] = iq[2 * m + 1] * left;
+  }
+}
+
 /// A row, and where woods may move in the wind another of what moves.
 void GroundPulses::take(const SharpWedge& wedge, int azimuth, std::uint64_t key, std::vector<Row>& all) {
   Row& row = all.emplace_back();
@@ -152,13 +163,7 @@ void GroundPulses::take(const SharpWedge& wedge, int azimuth, std::uint64_t key,
   } else {
     iq = wedge.iq_row(azimuth);
   }
-  row.re.resize(stride_);
-  row.im.resize(stride_);
-  for (std::size_t m = 0; m < stride_; ++m) {
-    const float left = eclipsed_.empty() ? 1.0F : eclipsed_[m];
-    row.re[m] = iq[2 * m] * left;
-    row.im[m] = iq[2 * m + 1] * left;
-  }
+  set_iq(row, iq);
   ask(kBinWork * static_cast<std::int64_t>(stride_));
   if (doppler.windy().empty()) return;
   std::vector<float> moving;
@@ -205,13 +210,7 @@ void GroundPulses::add_moving(int azimuth, std::vector<float> power, int number,
   }
   std::vector<float> iq(2 * stride_);
   draw_sharp_row(sum_, azimuth, mix64(key ^ kMovingDraw), power.data(), iq.data());
-  moving.re.resize(stride_);
-  moving.im.resize(stride_);
-  for (std::size_t m = 0; m < stride_; ++m) {
-    const float left = eclipsed_.empty() ? 1.0F : eclipsed_[m];
-    moving.re[m] = iq[2 * m] * left;
-    moving.im[m] = iq[2 * m + 1] * left;
-  }
+  set_iq(moving, iq.data());
 }
 
 void GroundPulses::sum_rows(const EchoRows::Ready& rows, std::size_t first_row, const PulseTrip& trip,

@@ -37,6 +37,7 @@ class GroundPulses {
     std::vector<float> re, im;
   };
   void place_rows();
+  void set_iq(Row& row, const float* iq) const;
   void take(const SharpWedge& wedge, int azimuth, std::uint64_t key, std::vector<Row>& all);
   void add_moving(int azimuth, std::vector<float> power, int number, std::uint64_t key,
                   const std::vector<double>& hz, Row& moving) const;

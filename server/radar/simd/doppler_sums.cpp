@@ -1,7 +1,7 @@
 #include "server/radar/simd/doppler_sums.h"
 
+#include "server/radar/simd/complex_lanes.h"
 #include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/float_lanes.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
@@ -10,14 +10,6 @@ OBLIQ_INLINE f64x8 turns_of(const DopplerRow& row, int k) {
   const f64x8 sine = converted<double>(load_as<f32x8>(row.sine + k));
   const f64x8 cosine = sqrt(max(broadcast(0), 1.0 - sine * sine));
   return (row.level_hz * cosine + row.up_hz * sine) * load(row.turns_a_hz + k);
-}
-
-struct ComplexLanes {
-  f32x16 re, im;
-};
-
-OBLIQ_INLINE ComplexLanes times(ComplexLanes a, ComplexLanes b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
 OBLIQ_INLINE f32x16 power_of(ComplexLanes v) { return v.re * v.re + v.im * v.im; }
@@ -109,6 +101,10 @@ OBLIQ_INLINE f32x16 response_at(const SharpenedSum& sum, f32x16 signed_cells) {
 
 void doppler_cells(const DopplerCells& to) {
   for (int k = 0; k < to.row.n; k += kLanes) to_memory(to.cells + k, converted<float>(turns_of(to.row, k)));
+}
+
+void doppler_turns(const DopplerTurns& to) {
+  for (int k = 0; k < to.row.n; k += kLanes) to_memory(to.turns + k, turns_of(to.row, k));
 }
 
 void doppler_phasors(const DopplerPhasors& to) {

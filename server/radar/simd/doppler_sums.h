@@ -20,6 +20,13 @@ struct DopplerCells {
   float* cells;
 };
 OBLIQ_KERNEL(void, doppler_cells, const DopplerCells&);
+
+/// Doppler of a row, as DopplerCells has it, in double.
+struct DopplerTurns {
+  DopplerRow row;
+  double* turns;
+};
+OBLIQ_KERNEL(void, doppler_turns, const DopplerTurns&);
 /// sin and cos of half the turns.
 struct DopplerPhasors {
   DopplerRow row;

@@ -1,18 +1,10 @@
 #include "server/radar/simd/pulse_sums.h"
 
+#include "server/radar/simd/complex_lanes.h"
 #include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/float_lanes.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
-
-struct ComplexLanes {
-  f32x16 re, im;
-};
-
-OBLIQ_INLINE ComplexLanes times(ComplexLanes a, ComplexLanes b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
 
 /// exp(j 2 pi turns[] s) of 16 bins, each reduced in double.
 OBLIQ_INLINE ComplexLanes phasors(const double* turns, double s) {
@@ -24,19 +16,6 @@ OBLIQ_INLINE ComplexLanes phasors(const double* turns, double s) {
   }
   return {load_floats(re), load_floats(im)};
 }
-
-}  // namespace
-
-void doppler_turns(const DopplerTurns& to) {
-  const DopplerRow& row = to.row;
-  for (int k = 0; k < row.n; k += kLanes) {
-    const f64x8 sine = converted<double>(load_as<f32x8>(row.sine + k));
-    const f64x8 cosine = sqrt(max(broadcast(0), 1.0 - sine * sine));
-    to_memory(to.turns + k, (row.level_hz * cosine + row.up_hz * sine) * load(row.turns_a_hz + k));
-  }
-}
-
-namespace {
 
 /// Pulses [begin, end) of a row whose phasor is z at the first; gains: of each, or null.
 OBLIQ_INLINE void add_pulses(const PulseSum& sum, int begin, int end, ComplexLanes z, ComplexLanes step,

@@ -2,17 +2,9 @@
 // Kernels of pulse trains: rows of sharp bins that turn from pulse to pulse, added up.
 #include <cstddef>
 
-#include "server/radar/simd/doppler_sums.h"
 #include "server/radar/simd/kernel.h"
 
 namespace obliq {
-
-/// Doppler of a row, as DopplerCells has it, in double.
-struct DopplerTurns {
-  DopplerRow row;
-  double* turns;
-};
-OBLIQ_KERNEL(void, doppler_turns, const DopplerTurns&);
 
 /// Pulses of 16 neighbouring bins: pulse k at start_s + k step_s is given, of all rows in their order,
 ///   gain v exp(j 2 pi hz t).

@@ -105,7 +105,7 @@ class Trains:
 
     def __init__(self, frame: Frame):
         self._frame = frame
-        self._rows: list[npt.NDArray[np.complex64]] = []  # values of the train in hand, in their order
+        self._rows: list[npt.NDArray[np.complex64]] = []  # values of the train that is coming, in their order
         self._values = 0
         self._first: wire.WedgeBlock | None = None
         self.bytes = 0
