@@ -39,7 +39,7 @@ const std::array kParameters{
         "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
     row<&RadarSettings::receiver, &ReceiverSettings::stc_db>(
         "receiver.stc_db", "dB", closed(0, 200), "stc_db", {288, i32, 1e3},
-        "It lowers the gain by at most this.", {.knob = "sea depth"}),
+        "It lowers the gain by at most this."),
     row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>(
         "receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
         "Bits of the converter, of I and of Q, 2 or more; 0: none.", {.not_ideal = true}),
@@ -82,11 +82,10 @@ const std::array kParameters{
         "atmosphere.wind_m_s", "m/s", closed(0, 60), "wind_m_s", {347, i32, 1e3},
         "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "
         "through. It gives the sea its direction, and with sea.state_auto its state.",
-        {.knob = "wind", .modes = "mti"}),
+        {.knob = "wind", .modes = "mti pulses"}),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_from_deg>(
         "atmosphere.wind_from_deg", "deg", closed(0, 360), "wind_from_deg", {353, i32, 1e3},
-        "Where the wind comes from, clockwise from true north: the sea returns more against it.",
-        {.knob = "wind from"}),
+        "Where the wind comes from, clockwise from true north: the sea returns more against it."),
     row<&RadarSettings::sea, &SeaSettings::state>(
         "sea.state", "", closed(0, 6), "sea_state", {349, u16, 1e2},
         "Sea state of all water (materials of model \"sea\"), by the NRL model of mean sea clutter; 0: water "
