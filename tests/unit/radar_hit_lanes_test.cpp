@@ -172,7 +172,7 @@ TEST(ExactMath, ExponentialOfNegativesIsWithin4e16Relative) {
     const auto expected = static_cast<double>(std::exp(static_cast<long double>(x)));
     EXPECT_NEAR(exp_of_negative(x) / expected, 1, 4.5e-16) << x;
   }
-  EXPECT_EQ(exp_of_negative(-701), 0);
+  EXPECT_EQ(exp_of_negative(-701.0), 0);
   EXPECT_EQ(exp_of_negative(-HUGE_VAL), 0);
   EXPECT_EQ(exp_of_negative(std::nan("")), 0);
 }

@@ -62,18 +62,6 @@ constexpr double kNearest_m = 1e-3;
 
 #if defined(OBLIQ_ISA)
 
-/// exp(x) for x <= 0; 0 below -700: exp_of_negative with a series that needs no division.
-OBLIQ_INLINE f64x8 exp_of_negative(f64x8 x) {
-  const f64x8 n = nearest_integer(max(x, broadcast(-700)) * 1.4426950408889634074);
-  const f64x8 r = (max(x, broadcast(-700)) - n * 6.93147180369123816490e-01) - n * 1.90821492927058770002e-10;
-  f64x8 sum = broadcast(1.0 / 6227020800.0);
-  const double factorials[] = {
-      1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040, 1.0 / 720,
-      1.0 / 120,       1.0 / 24,       1.0 / 6,       0.5,          1.0,         1.0};
-  for (const double term : factorials) sum = sum * r + term;
-  return select(x > -700.0, sum * as_doubles(to_i64(n + 1023.0) << 52), f64x8{});
-}
-
 /// Cross section of a unit of projected area. sec2: 1 / cos^2 of the incidence.
 OBLIQ_INLINE f64x8 cross_section_of_area(const EchoTable& table, u64x8 material, f64x8 sec2) {
   const f64x8 gamma = gather(table.gamma, material);

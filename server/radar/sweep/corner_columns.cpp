@@ -75,12 +75,16 @@ void CornerView::see(const Columns& columns, const ConvexShape& part, int e, con
       std::minmax_element(all.roofs + column_of(from), all.roofs + column_of(to) + 1);
   if (-static_cast<double>(*least) * foot.distance_m <= -foot.ground_m || !begin(foot, all.nodes)) return;
   if (is_whole(static_cast<double>(*greatest))) return light(0, 1, static_cast<double>(*greatest));
-  for (int column = column_of(from); column <= column_of(to); ++column) {
+  // Neighbours that leave all of the light are one stretch.
+  const int last = column_of(to);
+  const auto shade_at = [&](int column) { return static_cast<double>(all.roofs[column]); };
+  for (int column = column_of(from), end = 0; column <= last; column = end) {
+    end = column + 1;
+    if (is_whole(shade_at(column)))
+      while (end <= last && is_whole(shade_at(end))) ++end;
     const double begins = std::max(from, left + column * width);
-    const double ends = std::min(to, left + (column + 1) * width);
-    if (begins < ends)
-      light((begins - from) / (to - from), (ends - from) / (to - from),
-            static_cast<double>(all.roofs[column]));
+    const double ends = std::min(to, left + end * width);
+    if (begins < ends) light((begins - from) / (to - from), (ends - from) / (to - from), shade_at(column));
   }
 }
 
