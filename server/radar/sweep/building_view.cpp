@@ -288,7 +288,7 @@ void BuildingView::fill_shape(const Part& part) {
 
 void BuildingView::see(const Part& part, EchoCells& cells) {
   fill_shape(part);
-  refine(std::bit_cast<float>(static_cast<std::uint32_t>(part.order >> 32)));
+  refine(part.near_m());
   const auto column_of = [&](float tangent) {
     const float at = (tangent + half_) / columns_.width;
     return static_cast<int>(std::clamp(at, 0.0F, static_cast<float>(columns_.n - 1)));

@@ -64,6 +64,8 @@ class BuildingView {
     bool one_of_several;
     std::uint32_t first, n;  // into corners_
     float from, to;          // tangents
+
+    float near_m() const { return std::bit_cast<float>(static_cast<std::uint32_t>(order >> 32)); }
   };
   void start(int azimuth_bin, int profile);
   void see_near(int azimuth_bin, EchoCells& cells);
@@ -82,8 +84,8 @@ class BuildingView {
   /// Before the part hides anything.
   void see_corners(const Part& part) {
     const CornerView::Columns columns{columns_, centre_};
-    for (auto walls = corner_view_.square_walls(columns, shape_, part.from, part.to); walls != 0;
-         walls &= walls - 1) {
+    for (auto walls = corner_view_.square_walls(columns, shape_, part.near_m(), part.from, part.to);
+         walls != 0; walls &= walls - 1) {
       const auto e = static_cast<std::uint32_t>(std::countr_zero(walls));
       corner_view_.see(columns, shape_, static_cast<int>(e),
                        {part.building, part.material, corners_[part.first + e].face});

@@ -6,14 +6,12 @@
 
 namespace obliq {
 
-std::uint64_t CornerView::square_walls(const Columns& columns, const ConvexShape& part, float from,
-                                       float to) const {
+std::uint64_t CornerView::square_walls(const Columns& columns, const ConvexShape& part, float near_m,
+                                       float from, float to) const {
   // The base lies below all ground there: no foot is seen at a greater depression.
   if (!(part.base_m < 0)) return 0;
   const float low = std::max(from, columns.all.left);
   const float high = std::min(to, columns.all.left + static_cast<float>(columns.all.n) * columns.all.width);
-  float near_m = part.ahead_m[0];
-  for (int e = 1; e < part.n; ++e) near_m = std::min(near_m, part.ahead_m[e]);
   const float limit = static_cast<float>(table_->greatest_along()) * -part.base_m / near_m + (high - low) / 2;
   const float limit2 = limit * limit;
   const float middle = (low + high) / 2;
@@ -22,9 +20,9 @@ std::uint64_t CornerView::square_walls(const Columns& columns, const ConvexShape
     const float dr = part.right_m[e + 1] - part.right_m[e];
     const float da = part.ahead_m[e + 1] - part.ahead_m[e];
     const float along = dr * middle + da;
-    const bool is_square = along * along <= limit2 * (dr * dr + da * da);
+    if (along * along > limit2 * (dr * dr + da * da)) continue;  // most of them
     const bool faces = part.ahead_m[e] * dr - part.right_m[e] * da > 0;
-    square |= static_cast<std::uint64_t>(is_square & faces) << e;
+    square |= static_cast<std::uint64_t>(faces) << e;
   }
   return square & part.walls;
 }

@@ -25,9 +25,10 @@ class CornerView {
     const SubColumns& all;
     SinCos centre;
   };
-  /// Bits of the edges of a part that are walls that may stand square enough to the sight. from, to: tangents
-  /// of the part.
-  std::uint64_t square_walls(const Columns& columns, const ConvexShape& part, float from, float to) const;
+  /// Bits of the edges of a part that are walls that may stand square enough to the sight. near_m: how far
+  /// ahead it begins; from, to: its tangents.
+  std::uint64_t square_walls(const Columns& columns, const ConvexShape& part, float near_m, float from,
+                             float to) const;
 
   struct Wall {
     std::uint32_t building;
