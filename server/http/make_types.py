@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes page/wire.d.ts, the types of proto/obliq.proto's messages as the page reads and writes them, from protoc's descriptors.
+"""Writes wire.d.ts, the types of proto/obliq.proto's messages as the page reads and writes them, from protoc's descriptors.
 
   make_types.py [--protoc PROGRAM] [--check]
 
@@ -14,7 +14,7 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROTO = HERE.parent.parent / "proto"
-TARGET = HERE / "page" / "wire.d.ts"
+TARGET = HERE / "wire.d.ts"
 WIDTH = 140
 HEAD = """// The messages of proto/obliq.proto in protobuf's JSON: enumerators by name, 64 bits as text, an absent field has its default.
 // Written by server/http/make_types.py: do not edit.

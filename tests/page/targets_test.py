@@ -32,8 +32,8 @@ PLACE = {"latitude_deg": 33.04, "longitude_deg": -99.42, "height_m": 400.0}
 # All messages of the stream are counted by their type.
 COUNTED = """
 window.counts = {};
-const { heard } = obliq.link, { message } = heard;
-heard.message = (one) => { counts[one.type] = (counts[one.type] ?? 0) + 1; message(one); };
+const emit = obliq.link.emit.bind(obliq.link);
+obliq.link.emit = (type, message) => { counts[type] = (counts[type] ?? 0) + 1; emit(type, message); };
 window.asks = [];
 const ask = obliq.link.ask.bind(obliq.link);
 obliq.link.ask = (type, body) => { asks.push([type, body]); return ask(type, body); };

@@ -16,7 +16,7 @@ const MS = 1e-6; // of a nanosecond
  */
 
 /** @typedef {{now_ms: number, utc_ms: number, age_ms: (clock_ns: string|undefined) => number}} Clock utc_ms: of what is seen; age_ms: since a reading of the server's clock */
-/** @typedef {import("./wire.js").FrameDescriptor} FrameDescriptor @typedef {import("./wire.js").WedgeBlock} WedgeBlock */
+/** @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor @typedef {import("../wire.js").WedgeBlock} WedgeBlock */
 
 /**
  * How the bytes of plane VIDEO become levels 1 to 255. Level 0: no echo at all.
@@ -35,7 +35,7 @@ export class Bins {
     this.descriptor = null;
     /** @type {Placement|null} */
     this.placement = null;
-    /** Null: whole frames. @type {import("./wire.js").ScanPass|null} */
+    /** Null: whole frames. @type {import("../wire.js").ScanPass|null} */
     this.scan = null;
     this.video = new Uint8Array(0); // [azimuth, range], as sent
     this.state = new Uint8Array(0);
@@ -48,7 +48,7 @@ export class Bins {
     this.frames = 0; // whole ones
     this.skipped = 0;
     this.missed = 0; // dwells
-    /** @type {import("./wire.js").FrameSummary|null} */
+    /** @type {import("../wire.js").FrameSummary|null} */
     this.summary = null;
     this.render_ms = 0;
     /** Rows of a scanning beam that wait for their moment, in its order. @type {HeldRow[]} */
@@ -107,7 +107,7 @@ export class Bins {
   }
 
   /**
-   * @param {import("./wire.js").FrameBegin} body
+   * @param {import("../wire.js").FrameBegin} body
    * @returns {boolean} whether bins now lie elsewhere
    */
   begin(body) {
@@ -330,7 +330,7 @@ export class Bins {
     if (this.placement) this.#levels(0, this.placement.azimuths);
   }
 
-  /** @param {import("./wire.js").FrameEnd} body @returns {boolean} whether bins now lie elsewhere */
+  /** @param {import("../wire.js").FrameEnd} body @returns {boolean} whether bins now lie elsewhere */
   end(body) {
     this.summary = body.summary ?? null;
     this.render_ms = 1000 * number(body.render_s);

@@ -3,11 +3,11 @@
 import { $, buttonOf, inputOf, make } from "./dom.js";
 import { Events } from "./events.js";
 import { number } from "./messages.js";
-import { refusalText } from "./form.js";
+import { refusalText } from "./stream.js";
 
 const MOST_SHOWN = 50; // the newest
 
-/** @typedef {import("./wire.js").ExerciseEvent} ExerciseEvent */
+/** @typedef {import("../wire.js").ExerciseEvent} ExerciseEvent */
 
 /** Somebody has set one. @extends {Events<{news: string}>} */
 export class Bookmarks extends Events {
@@ -29,14 +29,14 @@ export class Bookmarks extends Events {
     this.show();
   }
 
-  /** Behind a Welcome: what there is, and from then on what comes. @param {import("./wire.js").Welcome} welcome */
+  /** Behind a Welcome: what there is, and from then on what comes. @param {import("../wire.js").Welcome} welcome */
   async begin(welcome) {
     this.list = [];
     this.isKnown = number(welcome.minor) >= 2;
     this.show();
     if (!this.isKnown) return;
     for (let after = "0", more = true; more; ) {
-      const page = await this.link.ask("GetEvents", { after, follow: true }).catch(() => (/** @type {import("./wire.js").ExerciseEvents} */ ({})));
+      const page = await this.link.ask("GetEvents", { after, follow: true }).catch(() => (/** @type {import("../wire.js").ExerciseEvents} */ ({})));
       this.#keep(page.events ?? []);
       after = page.events?.at(-1)?.number ?? after;
       more = Boolean(page.more);
@@ -44,7 +44,7 @@ export class Bookmarks extends Events {
     this.show();
   }
 
-  /** @param {import("./wire.js").ExerciseEvents} body that answers nothing */
+  /** @param {import("../wire.js").ExerciseEvents} body that answers nothing */
   #take(body) {
     const fresh = this.#keep(body.events ?? []);
     for (const { by, text } of fresh) this.emit("news", `Bookmark by ${by}: ${text}`);

@@ -1,15 +1,14 @@
 // Control of the first picture's radar: who holds it, and what the holder does to it.
 
 import { Events } from "./events.js";
-import { Refused } from "./stream.js";
+import { refusalText } from "./stream.js";
 import { number } from "./messages.js";
-import { refusalText } from "./form.js";
 import { turned } from "./placement.js";
 
 const TURN_MS = 2000;
 const TAKEN = 102; // number of an Error
 
-/** @typedef {import("./wire.js").Pose} Pose */
+/** @typedef {import("../wire.js").Pose} Pose */
 
 /** A refusal in words; nothing: what was refused before is tried anew. Another client has taken control. @extends {Events<{refusal: string, taken: string}>} */
 export class Control extends Events {
@@ -39,7 +38,7 @@ export class Control extends Events {
   get isMine() {
     return this.holds("SETTINGS_CLAIM") && this.link.isLive;
   }
-  /** @param {import("./wire.js").ClaimKind} kind */
+  /** @param {import("../wire.js").ClaimKind} kind */
   holds(kind) {
     return Boolean(this.info?.claimed_by_you?.includes(kind));
   }
@@ -54,7 +53,7 @@ export class Control extends Events {
     try {
       await what();
     } catch (error) {
-      this.emit("refusal", error instanceof Refused ? refusalText(error) : error.message);
+      this.emit("refusal", refusalText(error));
     }
     await this.watch.poll();
   }

@@ -3,7 +3,7 @@
 import { $, buttonOf, inputOf, selectOf } from "./dom.js";
 import { Events } from "./events.js";
 import { number, utcNow_ms } from "./messages.js";
-import { refusalText } from "./form.js";
+import { refusalText } from "./stream.js";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 10, 60];
 const SEEK_MS = 120; // between places of a slider that is dragged
@@ -23,7 +23,7 @@ export class Debrief extends Events {
   constructor(link) {
     super();
     this.link = link;
-    /** @type {import("./wire.js").ReplayState|null} */
+    /** @type {import("../wire.js").ReplayState|null} */
     this.state = null;
     this.utc_ms = 0; // of the state
     this.sent_ms = 0; // when a place was last asked for
@@ -97,7 +97,7 @@ export class Debrief extends Events {
     this.#set({ seek_s: this.asked_s });
   }
 
-  /** @param {import("./wire.js").SetReplay} change */
+  /** @param {import("../wire.js").SetReplay} change */
   async #set(change) {
     this.refusal = "";
     ++this.unanswered;

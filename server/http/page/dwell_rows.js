@@ -23,9 +23,9 @@ import { number } from "./messages.js";
  */
 
 /**
- * @param {import("./wire.js").ScanPass} scan
+ * @param {import("../wire.js").ScanPass} scan
  * @param {import("./placement.js").Placement} placement
- * @param {import("./wire.js").WedgeBlock} body
+ * @param {import("../wire.js").WedgeBlock} body
  * @param {Uint8Array} plane VIDEO or STATE, [azimuth, range]
  * @param {Times} times
  * @returns {HeldRow[]} in the beam's order

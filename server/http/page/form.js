@@ -3,7 +3,7 @@
 import { make } from "./dom.js";
 
 /** @typedef {{at_least?: number, at_most?: number, above?: number, below?: number, one_of?: string[]}} Limits */
-/** @typedef {import("./wire.js").RadarSettings & import("./wire.js").Pose} Message whose fields a form shows */
+/** @typedef {import("../wire.js").RadarSettings & import("../wire.js").Pose} Message whose fields a form shows */
 
 /**
  * @typedef {object} Parameter of /parameters.json
@@ -115,7 +115,7 @@ export class Field {
     return input;
   }
 
-  /** @param {import("./wire.js").RadarInfo} info @param {boolean} mayChange */
+  /** @param {import("../wire.js").RadarInfo} info @param {boolean} mayChange */
   show(info, mayChange) {
     const from = /** @type {Message} */ ((this.isPose ? info.pose : info.settings) ?? {});
     this.current = from[this.field];
@@ -182,13 +182,4 @@ export class Field {
     this.refusal.textContent = text;
     this.element.classList.toggle("refused", text !== "");
   }
-}
-
-/** A request's refusal in words, without the fields that have their own. @param {Error & {fields?: import("./wire.js").FieldFault[]}} error @param {Parameter} [parameter] */
-export function refusalText(error, parameter) {
-  const own = (error.fields ?? []).filter(({ field }) => field === parameter?.key);
-  const others = (error.fields ?? []).filter(({ field }) => field !== parameter?.key);
-  const words = own.map(({ found, allowed }) => `found ${found}; allowed: ${allowed}`);
-  for (const { field, found, allowed } of others) words.push(`${field}: found ${found}; allowed: ${allowed}`);
-  return words.length ? words.join("; ") : error.message;
 }

@@ -48,7 +48,7 @@ export class Greeting {
     $("again").textContent = AGAIN[kind] ?? "connect now";
   }
 
-  /** @param {import("./wire.js").Welcome} welcome */
+  /** @param {import("../wire.js").Welcome} welcome */
   welcome({ scene_name, server_version, server_name, role }) {
     $("scene").textContent = [scene_name, server_version].filter(Boolean).join(" · ");
     $("scene").title = `Scene and version of ${server_name ?? "the server"}`;

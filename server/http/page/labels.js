@@ -9,8 +9,8 @@ const FIRST = 16;
 const NO_MATERIAL = 255;
 const BANDS = 8; // of heights
 
-/** @typedef {import("./wire.js").FrameDescriptor} FrameDescriptor */
-/** @typedef {"MATERIAL"|"BUILDING"|"HEIGHT"|"RETURNS"} LabelPlane @typedef {LabelPlane|""} Label nothing: none */
+/** @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor */
+/** @typedef {Extract<import("../wire.js").PlaneKind, "MATERIAL"|"BUILDING"|"HEIGHT"|"RETURNS">} LabelPlane @typedef {LabelPlane|""} Label nothing: none */
 
 /** @type {import("./palettes.js").Colour[]} */
 const COLOURS = [[214, 96, 77], [67, 147, 195], [253, 219, 120], [118, 186, 105], [160, 110, 190], [240, 160, 70], [120, 200, 200], [200, 200, 200]];
@@ -57,11 +57,11 @@ export const LABEL_TILES = [...Array(FIRST).fill(null), ...COLOURS.map((colour) 
 
 /**
  * A block of a label as one of states.
- * @param {import("./wire.js").WedgeBlock} body
+ * @param {import("../wire.js").WedgeBlock} body
  * @param {LabelPlane} label
  * @param {Uint8Array} plane
  * @param {FrameDescriptor} descriptor
- * @returns {[import("./wire.js").WedgeBlock, Uint8Array]}
+ * @returns {[import("../wire.js").WedgeBlock, Uint8Array]}
  */
 export function asStates(body, label, plane, descriptor) {
   return [{ ...body, plane: "STATE" }, LABELS[label].codes(plane, descriptor)];

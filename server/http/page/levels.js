@@ -6,7 +6,7 @@ const LOOK_MS = 1000; // between looks at what is shown
 const SETTLED_DB = 2; // a smaller change of the best levels leaves them
 const RECEIVER_SPAN_DB = 60; // as displays of logarithmic receivers have it
 
-/** @typedef {import("./bins.js").Bins} Bins @typedef {import("./table.js").BinTable} BinTable @typedef {import("./wire.js").FrameDescriptor} FrameDescriptor */
+/** @typedef {import("./bins.js").Bins} Bins @typedef {import("./table.js").BinTable} BinTable @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor */
 
 /** Whether something of the receiver is on: then levels stay where they are, so that its knobs are seen. @param {FrameDescriptor|null} descriptor */
 export function hasReceiver(descriptor) {

@@ -21,8 +21,8 @@ const NUMBERS = {
 };
 const NAMES = new Map(Object.entries(NUMBERS).map(([name, number]) => [number, name]));
 
-/** @typedef {import("./wire.js").Messages} Messages those of obliq.proto */
-/** @typedef {import("./wire.js").Real | import("./wire.js").Int64} Numeric a number of protobuf's JSON */
+/** @typedef {import("../wire.js").Messages} Messages those of obliq.proto */
+/** @typedef {import("../wire.js").Real | import("../wire.js").Int64} Numeric a number of protobuf's JSON */
 
 /**
  * A message of a type of obliq.proto; "" is one that this page does not know. utc_ms: when the server encoded it. Absent fields of the

@@ -2,14 +2,14 @@
 
 import { make, put } from "./dom.js";
 import { number } from "./messages.js";
-import { refusalText } from "./form.js";
+import { refusalText } from "./stream.js";
 
 const C_MPS = 299792458;
 const STANDS_MPS = 1; // what is slower does not fly
 const KEY = "radar.mode";
 const FOR_PROGRAMS = "pulses"; // it has no picture of its own
 
-/** @typedef {import("./wire.js").RadarSettings} RadarSettings */
+/** @typedef {import("../wire.js").RadarSettings} RadarSettings */
 
 /** As pictures say it: "MTI"; of a map nothing. @param {RadarSettings|undefined} settings */
 export function modeWord(settings) {
@@ -96,14 +96,14 @@ export class ModeSwitch {
     try {
       await this.set(this.parameter.message_field, this.parameter.enumerators[word]);
     } catch (error) {
-      this.refusal.textContent = refusalText(error, this.parameter);
+      this.refusal.textContent = refusalText(error, this.parameter.key);
       this.refusedOf = this.setNow;
     }
   }
 
   /**
    * @param {string} radar
-   * @param {import("./wire.js").RadarInfo|null} info null: not known
+   * @param {import("../wire.js").RadarInfo|null} info null: not known
    * @param {{speed_mps: number}} heading
    * @param {boolean} mine whether this page may set it now
    * @param {string} why not

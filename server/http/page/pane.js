@@ -9,7 +9,7 @@ import { Ppi } from "./ppi.js";
 import { Profile } from "./profile.js";
 import { Scope } from "./scope.js";
 import { Trails } from "./trails.js";
-import { refusalText } from "./form.js";
+import { refusalText } from "./stream.js";
 import { changesOf } from "./sources.js";
 import { number, utcNow_ms } from "./messages.js";
 
@@ -62,9 +62,9 @@ export class Pane extends Events {
     this.pick.onchange = () => this.emit("picked", this.pick.value);
     this.source = source;
     this.levels = new Levels(levels);
-    /** @type {import("./wire.js").RadarInfo|null} */
+    /** @type {import("../wire.js").RadarInfo|null} */
     this.info = null;
-    /** @type {import("./wire.js").RadarStatus|null} */
+    /** @type {import("../wire.js").RadarStatus|null} */
     this.status = null;
     /** What is wrong with it in the server's words. @type {string|null} */
     this.says = null;
@@ -102,7 +102,7 @@ export class Pane extends Events {
   clear() {
     this.levels.unsettle();
     this.heading.forget();
-    /** @type {import("./wire.js").Pose|null} */
+    /** @type {import("../wire.js").Pose|null} */
     this.newestPose = null;
     this.ppi.truth?.clear();
     this.trails.clear();
@@ -144,7 +144,7 @@ export class Pane extends Events {
     }
   }
 
-  /** @param {import("./wire.js").WedgeBlock} body @param {Uint8Array} plane @param {number} utc_ms */
+  /** @param {import("../wire.js").WedgeBlock} body @param {Uint8Array} plane @param {number} utc_ms */
   #block(body, plane, utc_ms) {
     const { bins, debrief, look: { label } } = this;
     const now_ms = performance.now();
@@ -168,7 +168,7 @@ export class Pane extends Events {
     this.emit("levels");
   }
 
-  /** Of what comes; a picture that another up turns is laid out anew. @param {import("./wire.js").Pose|undefined} pose */
+  /** Of what comes; a picture that another up turns is laid out anew. @param {import("../wire.js").Pose|undefined} pose */
   #pose(pose) {
     if (!pose) return;
     this.newestPose = pose;
@@ -266,7 +266,7 @@ export class Pane extends Events {
   /**
    * Asks for this pane's own frame where the first pane shows something new.
    * @param {Pane} first
-   * @param {import("./wire.js").PlaneKind[]} planes
+   * @param {import("../wire.js").PlaneKind[]} planes
    * @param {boolean} truth where targets are, too
    */
   renderAgain(first, planes, truth) {

@@ -133,7 +133,7 @@ export class Pictures extends Events {
     if (of?.request && isOver) this.streams.delete(stream);
   }
 
-  /** @param {import("./wire.js").Error} body */
+  /** @param {import("../wire.js").Error} body */
   #refused(body) {
     const asked = this.panes.find(({ pending }) => pending && pending === body.request_id);
     if (asked) asked.refused(new Refused(body));

@@ -2,9 +2,9 @@
 
 import { $, make } from "./dom.js";
 import { Events } from "./events.js";
-import { Field, fieldOf, refusalText } from "./form.js";
+import { Field, fieldOf } from "./form.js";
 import { ModeSwitch } from "./mode.js";
-import { Refused } from "./stream.js";
+import { refusalText } from "./stream.js";
 import { number } from "./messages.js";
 import { scaled } from "./scales.js";
 
@@ -137,7 +137,7 @@ export class RadarControls extends Events {
       await this.control.set(parameter.message_field, value);
       field.refuse("");
     } catch (error) {
-      field.refuse(error instanceof Refused ? refusalText(error, parameter) : error.message);
+      field.refuse(refusalText(error, parameter.key));
     }
   }
 

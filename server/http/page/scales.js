@@ -9,11 +9,11 @@ const C_MPS = 299792458;
 /**
  * Settings of another range scale: what would be refused beside it comes along. A range bin that is shorter than the pulse needs more of them
  * to hold it; near echoes begin nearer than the scale ends.
- * @param {import("./wire.js").RadarSettings} settings
+ * @param {import("../wire.js").RadarSettings} settings
  * @param {number} range_m
  */
 export function scaled(settings, range_m) {
-  /** @type {import("./wire.js").RadarSettings} */
+  /** @type {import("../wire.js").RadarSettings} */
   const change = { r_max_m: range_m };
   if (number(settings.r_min_m) > 0.8 * range_m) change.r_min_m = range_m / 20;
   if (settings.pulse_kind === "RECTANGULAR_PULSE") {

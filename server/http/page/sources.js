@@ -6,7 +6,7 @@ import { number } from "./messages.js";
 import { UNIT_M } from "./grid.js";
 import { scaled } from "./scales.js";
 
-/** @type {Record<string, import("./wire.js").FrustumKind>} */
+/** @type {Record<string, import("../wire.js").FrustumKind>} */
 const FRUSTA = { sweep: "SWEEP", oblique: "OBLIQUE", symmetric: "SYMMETRIC" };
 const HALF_TURN_DEG = 180; // a symmetric frustum sees less
 
@@ -19,8 +19,8 @@ export function scaleOf(source) {
 /**
  * What a RenderOnce changes of the first radar's settings.
  * @param {string} source
- * @param {import("./wire.js").RadarSettings} settings
- * @returns {import("./wire.js").RadarSettings}
+ * @param {import("../wire.js").RadarSettings} settings
+ * @returns {import("../wire.js").RadarSettings}
  */
 export function changesOf(source, settings) {
   const scale_m = scaleOf(source);

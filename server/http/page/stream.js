@@ -13,12 +13,21 @@ const TOKEN_KEY = "obliq.token"; // of sessionStorage: it ends with the tab
 
 /** What the server refused, with its number and the faulty fields. */
 export class Refused extends Error {
-  /** @param {import("./wire.js").Error} body */
+  /** @param {import("../wire.js").Error} body */
   constructor(body) {
     super(body.text ?? "refused");
     this.number = body.number ?? 0;
     this.fields = body.fields ?? [];
   }
+}
+
+/** In words: first what is wrong with the field of a key, without its name, where there is one. @param {Error} error @param {string} [key] */
+export function refusalText(error, key) {
+  const fields = error instanceof Refused ? error.fields : [];
+  const wordsOf = (/** @type {import("../wire.js").FieldFault} */ { found, allowed }) => `found ${found}; allowed: ${allowed}`;
+  const own = fields.filter(({ field }) => field === key).map(wordsOf);
+  const others = fields.filter(({ field }) => field !== key).map((fault) => `${fault.field}: ${wordsOf(fault)}`);
+  return [...own, ...others].join("; ") || error.message;
 }
 
 /**
@@ -29,16 +38,16 @@ export class Refused extends Error {
  */
 
 /** @typedef {import("./messages.js").Messages} Messages @typedef {import("./messages.js").MessageOf} MessageOf */
-/** @typedef {import("./wire.js").GroundAnswer & {plane: Uint8Array}} GroundRecords an answer with its plane */
+/** @typedef {import("../wire.js").GroundAnswer & {plane: Uint8Array}} GroundRecords an answer with its plane */
 
 /**
  * What answers a request: of those that are not here an Ack.
- * @typedef {{Hello: import("./wire.js").Welcome, GetRadar: import("./wire.js").RadarInfo, GetStatus: import("./wire.js").Status,
- *   QueryGround: GroundRecords, GetTargets: import("./wire.js").TargetList, GetEvents: import("./wire.js").ExerciseEvents}} Answers
+ * @typedef {{Hello: import("../wire.js").Welcome, GetRadar: import("../wire.js").RadarInfo, GetStatus: import("../wire.js").Status,
+ *   QueryGround: GroundRecords, GetTargets: import("../wire.js").TargetList, GetEvents: import("../wire.js").ExerciseEvents}} Answers
  */
-/** @template {keyof Messages} Type @typedef {Type extends keyof Answers ? Answers[Type] : import("./wire.js").Ack} AnswerTo */
+/** @template {keyof Messages} Type @typedef {Type extends keyof Answers ? Answers[Type] : import("../wire.js").Ack} AnswerTo */
 /** Of range, as the server offers them. @typedef {{scales: number[], unit: import("./grid.js").Unit}} Scales */
-/** By type each message that answers no request. @typedef {MessageOf & {state: LinkState, welcome: import("./wire.js").Welcome, scales: Scales}} Said */
+/** By type each message that answers no request. @typedef {MessageOf & {state: LinkState, welcome: import("../wire.js").Welcome, scales: Scales}} Said */
 
 /** @extends {Events<Said>} */
 export class Link extends Events {
@@ -46,7 +55,7 @@ export class Link extends Events {
     super();
     /** @type {LinkState} */
     this.state = { kind: "connecting", text: "", retry_ms: 0 };
-    /** @type {import("./wire.js").Welcome|null} */
+    /** @type {import("../wire.js").Welcome|null} */
     this.welcome = null;
     this.offset_ms = 0; // server's clock minus this one's
     this.roundTrip_ms = Infinity;
@@ -123,7 +132,7 @@ export class Link extends Events {
 
   /**
    * A request whose answer is a frame: its number, which the frame's messages repeat.
-   * @param {import("./wire.js").RenderOnce} body
+   * @param {import("../wire.js").RenderOnce} body
    */
   render(body) {
     const id = String(this.nextRequest++);

@@ -9,7 +9,7 @@ import { pointsOf } from "./target_route.js";
 
 export const KNOT_MPS = 1852 / 3600;
 const MOST_LISTED = 200;
-/** @type {Record<import("./wire.js").HeightReference, string>} */
+/** @type {Record<import("../wire.js").HeightReference, string>} */
 const OVER = { DATUM: "above datum", GROUND: "above ground", ELLIPSOID: "above ellipsoid" };
 /** @type {Record<string, string>} */
 const SEEN_WORDS = { out: "beside what the radar looks at", no: "hidden", part: "seen in part", all: "seen" };
@@ -148,7 +148,7 @@ export class TargetPanel {
     blur();
   }
 
-  /** @returns {import("./wire.js").Target} */
+  /** @returns {import("../wire.js").Target} */
   #read() {
     const { name, type, rcs_dbsm, speed, course, height_m } = this.entries;
     const speed_m_s = typed(speed.value, "speed") * KNOT_MPS;

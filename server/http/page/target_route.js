@@ -14,7 +14,7 @@ import { inverse } from "./placement.js";
 /** @typedef {{latitude_deg: number, longitude_deg: number}} LatLon */
 /** @typedef {{from: LatLon, to: RoutePoint, m: number, s: number}} Way from one point to the next: metres and seconds */
 
-/** @param {import("./wire.js").Target} target @returns {RoutePoint[]} all of its points */
+/** @param {import("../wire.js").Target} target @returns {RoutePoint[]} all of its points */
 export function pointsOf({ route, height_m }) {
   const speeds = route?.speed_m_s ?? [];
   return (route?.latitude_deg ?? []).map((latitude_deg, k) => ({
@@ -42,7 +42,7 @@ function wayAt(ways, here) {
 
 /**
  * The points that it has not reached, in their order; of a loop all, the next one first.
- * @param {import("./wire.js").Target} target
+ * @param {import("../wire.js").Target} target
  * @param {number|null} age_s since it was at its place; null: no clock says it
  * @param {LatLon|undefined} here where it is
  * @returns {RoutePoint[]}

@@ -2,24 +2,23 @@
 // Where truth is not given (Welcome.truth) nothing of this exists in the page.
 
 import { Events } from "./events.js";
-import { Refused } from "./stream.js";
+import { Refused, refusalText } from "./stream.js";
 import { TargetPanel } from "./target_panel.js";
 import { Truth } from "./truth.js";
 import { number } from "./messages.js";
 import { pointsAhead, routeOf } from "./target_route.js";
 import { recordsOf } from "./profile.js";
-import { refusalText } from "./form.js";
 
 const POLL_MS = 2000;
 const SOON_MS = 500; // between lists, where an unknown target comes
 const MANY = 100; // targets, whose marks take their time:
 const MANY_MS = 200; // they are drawn less often
-/** @type {import("./wire.js").ClaimKind[]} */
+/** @type {import("../wire.js").ClaimKind[]} */
 const CLAIM = ["TARGETS_CLAIM"];
 const TAKEN = 102; // number of an Error
 const NOT_CLAIMED = 103;
 
-/** @typedef {import("./wire.js").Target & {read_ms: number}} Known a target and when the page read it */
+/** @typedef {import("../wire.js").Target & {read_ms: number}} Known a target and when the page read it */
 /** @typedef {import("./pane.js").Pane} Pane */
 /** Where a new target is to be: a bearing and range of a picture. @typedef {{pane: Pane, ppi: import("./ppi.js").Ppi, bearing_deg: number, range_m: number}} Fresh */
 
@@ -47,7 +46,7 @@ export class Targets extends Events {
   forget() {
     /** By their ids. @type {Map<string, Known>} */
     this.list = new Map();
-    /** @type {import("./wire.js").TargetType[]} */
+    /** @type {import("../wire.js").TargetType[]} */
     this.types = [];
     this.controller = "";
     this.holds = false;
@@ -68,7 +67,7 @@ export class Targets extends Events {
     return Boolean(this.panel && this.isWanted && this.link.isLive);
   }
 
-  /** Behind a Welcome. @param {import("./wire.js").Welcome} welcome */
+  /** Behind a Welcome. @param {import("../wire.js").Welcome} welcome */
   begin(welcome) {
     this.forget();
     this.mayClaim = welcome.role !== "viewer";
@@ -119,7 +118,7 @@ export class Targets extends Events {
     if (isUnknown && performance.now() - this.read_ms > SOON_MS) this.poll();
   }
 
-  /** News that the claim was taken. @param {import("./wire.js").Error} error */
+  /** News that the claim was taken. @param {import("../wire.js").Error} error */
   #heard(error) {
     if (!this.panel || !/^targets:|setting targets/.test(error.text ?? "")) return;
     this.holds = false;
@@ -135,7 +134,7 @@ export class Targets extends Events {
     try {
       /** @type {Map<string, Known>} */
       const list = new Map();
-      /** @type {import("./wire.js").TargetList|null} */
+      /** @type {import("../wire.js").TargetList|null} */
       let first = null;
       for (let after = "0", more = true; more; ) {
         const page = await this.link.ask("GetTargets", { after });
@@ -152,7 +151,7 @@ export class Targets extends Events {
     this.show();
   }
 
-  /** @param {Map<string, Known>} list @param {import("./wire.js").TargetList} first page of it */
+  /** @param {Map<string, Known>} list @param {import("../wire.js").TargetList} first page of it */
   #keep(list, { types, controller, version }) {
     const isOther = this.version !== (version ?? "");
     [this.list, this.version, this.types, this.controller] = [list, version ?? "", types ?? [], controller ?? ""];
@@ -216,7 +215,7 @@ export class Targets extends Events {
     try {
       await what();
     } catch (error) {
-      this.refusal = error instanceof Refused ? refusalText(error) : error.message;
+      this.refusal = refusalText(error);
       if (error instanceof Refused && (error.number === TAKEN || error.number === NOT_CLAIMED)) this.holds = false;
     }
     const isDone = !this.refusal;
@@ -236,7 +235,7 @@ export class Targets extends Events {
     });
   }
 
-  /** @param {import("./wire.js").SetTargets} request */
+  /** @param {import("../wire.js").SetTargets} request */
   set(request) {
     return this.attempt(() => this.link.ask("SetTargets", request));
   }
@@ -294,7 +293,7 @@ export class Targets extends Events {
     this.choose("");
   }
 
-  /** The target of the form, where the picture was clicked. @param {import("./wire.js").Target} target without id and place */
+  /** The target of the form, where the picture was clicked. @param {import("../wire.js").Target} target without id and place */
   async add({ height_m, ...target }) {
     const { fresh } = this;
     if (!fresh) return;

@@ -24,7 +24,7 @@ const LEADER_S = 60;
  * @property {string} hiddenBy in words
  */
 
-/** @param {import("./wire.js").TargetBlock} body @param {Uint8Array} plane @returns {TargetRecord[]} */
+/** @param {import("../wire.js").TargetBlock} body @param {Uint8Array} plane @returns {TargetRecord[]} */
 export function targetRecords(body, plane) {
   const view = new DataView(plane.buffer, plane.byteOffset, plane.byteLength);
   const bytes = number(body.record_bytes);
@@ -58,7 +58,7 @@ export class Truth {
   }
 
   /**
-   * @param {import("./wire.js").TargetBlock} body
+   * @param {import("../wire.js").TargetBlock} body
    * @param {Uint8Array} plane
    * @param {boolean} isDwell of an antenna that scans
    * @param {number} now_ms

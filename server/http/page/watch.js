@@ -27,7 +27,7 @@ export class Watch extends Events {
     this.debrief = debrief;
     this.rate_hz = rate_hz;
     this.wantsTruth = wantsTruth;
-    /** @type {import("./wire.js").Status|null} */
+    /** @type {import("../wire.js").Status|null} */
     this.status = null;
     this.forget();
     document.addEventListener("visibilitychange", () => this.subscribe());
@@ -65,7 +65,7 @@ export class Watch extends Events {
   /** @param {string} radar */
   planesOf(radar) {
     const second = this.#secondPlane(radar);
-    return /** @type {import("./wire.js").PlaneKind[]} */ (second ? ["VIDEO", second] : ["VIDEO"]);
+    return /** @type {import("../wire.js").PlaneKind[]} */ (second ? ["VIDEO", second] : ["VIDEO"]);
   }
 
   /** What comes beside the video: a label, or states; nothing: neither. @param {string} radar */

@@ -12,10 +12,10 @@ export const LEAST_COVERAGE = 0.9995; // with less there is ground that no file 
  * @typedef {object} Facts that are to be said
  * @property {import("./stream.js").LinkState} state of the connection
  * @property {Pane[]} panes
- * @property {import("./wire.js").ReplayState|null} replay
+ * @property {import("../wire.js").ReplayState|null} replay
  * @property {boolean} isHeld
  * @property {string} news said for some seconds
- * @property {import("./wire.js").Status|null} status
+ * @property {import("../wire.js").Status|null} status
  */
 
 /** @param {Facts} facts @returns {Sentence[]} */
