@@ -136,6 +136,16 @@ class Forms(unittest.TestCase):
         self.page.script("document.getElementById('tab-view').click()")
         self.assertEqual(self.page.script("return location.hash"), "")
 
+    def test_a_pose_is_set_though_the_page_knows_a_claim_that_is_over(self):
+        self.show()
+        self.take_control()
+        height_m, said = self.page.driver.execute_async_script("""const done = arguments[0];
+            obliq.panes[0].info.claimed_by_you = ['SETTINGS_CLAIM', 'POSE_CLAIM'];  // as a poll reads it within a pose's moment
+            obliq.control.pose({ height_m: 2600 }).catch((error) => error.message)
+              .then((said) => obliq.link.ask('GetRadar', { radar: 'main' }).then(({ pose, claimed_by_you }) => done([pose.height_m, [said ?? '', ...claimed_by_you]])));""")
+        self.addCleanup(self.page.driver.execute_async_script, "const done = arguments[0]; obliq.control.pose({ height_m: 2500 }).then(done, done)")
+        self.assertEqual([height_m, said], [2600, ["", "SETTINGS_CLAIM"]])
+
     def test_a_picture_that_has_not_come_is_waited_for(self):
         self.show()
         self.page.script("window.take = obliq.pictures.take; obliq.pictures.take = () => {}; obliq.pictures.choose(obliq.panes[0], 'radar wide')")

@@ -116,14 +116,14 @@ class Trails(unittest.TestCase):
 
     def fly(self):
         """A kilometre to the north in steps; how many cells have a trail then."""
-        self.page.driver.execute_async_script("""const done = arguments[0];
+        refused = self.page.driver.execute_async_script("""const done = arguments[0];
             (async () => {
               for (let k = 1; k <= 20; ++k) {
                 await obliq.control.pose({ latitude_deg: 33 + k * 0.00045 });
                 await new Promise((go) => setTimeout(go, 350));
               }
-              done();
-            })();""")
+            })().then(() => done(""), (error) => done(error.message));""")
+        self.assertEqual(refused, "")
         self.page.await_frame(8)
         return len(self.page.script(CELLS))
 

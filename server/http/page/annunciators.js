@@ -12,7 +12,11 @@ const MARKUP = `<div class="annun upper left"></div><div class="annun upper righ
 
 const MINUS = "−";
 
-/** A range as operators say it: two decimals below 1, one below 10. @param {number} metres @param {import("./grid.js").Unit} unit */
+/**
+ * A range as operators say it: two decimals below 1, one below 10.
+ * @param {number} metres
+ * @param {import("./grid.js").Unit} unit
+ */
 export function rangeText(metres, unit) {
   const value = metres / UNIT_M[unit];
   return `${+value.toFixed(value < 1 ? 2 : value < 99.95 ? 1 : 0)} ${unit}`;

@@ -6,7 +6,6 @@ import { fieldOf, isDefault } from "./form.js";
 import { number } from "./messages.js";
 
 const MOST_HELD_MS = 74; // a scanning beam's azimuths wait at most this long for their turn
-const MS = 1e-6; // of a nanosecond
 
 /** @typedef {import("./dwell_rows.js").Times} Times @typedef {import("./dwell_rows.js").HeldRow} HeldRow */
 
@@ -15,7 +14,10 @@ const MS = 1e-6; // of a nanosecond
  * @typedef {{d: FrameDescriptor, placement: Placement, video: Uint8Array, state: Uint8Array, hasState: Uint8Array, times: Times|null}} Next
  */
 
-/** @typedef {{now_ms: number, utc_ms: number, age_ms: (clock_ns: string|undefined) => number}} Clock utc_ms: of what is seen; age_ms: since a reading of the server's clock */
+/**
+ * @typedef {{now_ms: number, utc_ms: number, age_ms: (clock_ns: string|undefined) => number}} Clock utc_ms: of what is seen; age_ms:
+ *   since a reading of the server's clock
+ */
 /** @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor @typedef {import("../wire.js").WedgeBlock} WedgeBlock */
 
 /**
@@ -74,7 +76,10 @@ export class Bins {
     this.swept_ms = 0; // of a recording: for how long the beam has swept so far
   }
 
-  /** What ages are counted by: of a recording the beam's own way, which pauses, speeds and seeks leave as it is. @param {number} now_ms */
+  /**
+   * What ages are counted by: of a recording the beam's own way, which pauses, speeds and seeks leave as it is.
+   * @param {number} now_ms
+   */
   ageClock_ms(now_ms) {
     return this.isRecorded ? this.swept_ms : now_ms;
   }
@@ -217,7 +222,12 @@ export class Bins {
     if (target === this) this.#levels(first, number(body.n_azimuth));
   }
 
-  /** A dwell's azimuths are shown one by one as the beam passed them, a little later. @param {WedgeBlock} body @param {Uint8Array} plane @param {Times} times */
+  /**
+   * A dwell's azimuths are shown one by one as the beam passed them, a little later.
+   * @param {WedgeBlock} body
+   * @param {Uint8Array} plane
+   * @param {Times} times
+   */
   #hold(body, plane, times) {
     for (const row of dwellRows(this.scan, this.placement, body, plane, times)) {
       this.held.push(row);

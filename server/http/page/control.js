@@ -1,16 +1,20 @@
 // Control of the first picture's radar: who holds it, and what the holder does to it.
 
 import { Events } from "./events.js";
-import { refusalText } from "./stream.js";
+import { Refused, refusalText } from "./stream.js";
 import { number } from "./messages.js";
 import { turned } from "./placement.js";
 
 const TURN_MS = 2000;
 const TAKEN = 102; // number of an Error
+const NOT_CLAIMED = 103;
 
 /** @typedef {import("../wire.js").Pose} Pose */
 
-/** A refusal in words; nothing: what was refused before is tried anew. Another client has taken control. @extends {Events<{refusal: string, taken: string}>} */
+/**
+ * A refusal in words; nothing: what was refused before is tried anew. Another client has taken control.
+ * @extends {Events<{refusal: string, taken: string}>}
+ */
 export class Control extends Events {
   /**
    * @param {object} parts
@@ -73,17 +77,27 @@ export class Control extends Events {
    * @param {Pose} pose fields that change
    */
   async pose(pose) {
-    const { link, radar } = this;
+    const { link, radar, info } = this;
     const moves = !Object.keys(pose).every((field) => this.aims.has(field));
-    const borrows = moves && !this.holds("POSE_CLAIM");
-    const flown = (moves && this.info?.platform) || radar;
-    if (!borrows && this.isFlown && "bearing_deg" in pose) // then it counts from the heading
-      pose = { ...pose, bearing_deg: turned(number(pose.bearing_deg) - number(this.info.pose?.heading_deg)) };
-    if (borrows) await link.ask("ClaimControl", { radar: flown, kinds: ["POSE_CLAIM"] });
+    const isHeld = !moves || this.holds("POSE_CLAIM");
+    const flown = (moves && info?.platform) || radar;
+    if (isHeld && this.isFlown && "bearing_deg" in pose) // then it counts from the heading
+      pose = { ...pose, bearing_deg: turned(number(pose.bearing_deg) - number(info.pose?.heading_deg)) };
+    const set = () => link.ask("SetPose", { radar: flown, pose });
     try {
-      await link.ask("SetPose", { radar: flown, pose });
+      if (isHeld) {
+        await set();
+        return;
+      }
+    } catch (error) {
+      // What is known may be older than the end of a claim that was borrowed for a moment.
+      if (!moves || !(error instanceof Refused && error.number === NOT_CLAIMED)) throw error;
+    }
+    await link.ask("ClaimControl", { radar: flown, kinds: ["POSE_CLAIM"] });
+    try {
+      await set();
     } finally {
-      if (borrows) await link.ask("ReleaseControl", { radar: flown, kinds: ["POSE_CLAIM"] });
+      await link.ask("ReleaseControl", { radar: flown, kinds: ["POSE_CLAIM"] });
     }
   }
 

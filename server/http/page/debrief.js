@@ -17,7 +17,10 @@ function clockText(seconds) {
   return h ? `${h}:${String(m).padStart(2, "0")}:${s}` : `${m}:${s}`;
 }
 
-/** The server turns out to serve a recording; it has gone to another place. @extends {Events<{begun: undefined, sought: undefined}>} */
+/**
+ * The server turns out to serve a recording; it has gone to another place.
+ * @extends {Events<{begun: undefined, sought: undefined}>}
+ */
 export class Debrief extends Events {
   /** @param {import("./stream.js").Link} link */
   constructor(link) {

@@ -205,7 +205,11 @@ export class Display extends Events {
     press("two", panes.length > 1);
   }
 
-  /** The slider's ends follow the video's scale. @param {import("./bins.js").Bins} bins @param {import("./levels.js").Levels} levels */
+  /**
+   * The slider's ends follow the video's scale.
+   * @param {import("./bins.js").Bins} bins
+   * @param {import("./levels.js").Levels} levels
+   */
   #limits(bins, { low_dB }) {
     if (!bins.placement) return;
     const least = Math.floor(bins.floor_dB + bins.compensation_dB(0));

@@ -16,7 +16,8 @@ const timeText = (/** @type {Pane} */ { bins }) => `${new Date(bins.newest?.utc_
 export function captionOf(pane, { look, link }) {
   const { descriptor: d, placement, scale } = pane.bins;
   const pose = d.pose ?? {};
-  const signed = (/** @type {number} */ value, /** @type {string} */ positive, /** @type {string} */ negative) => `${Math.abs(value).toFixed(5)}° ${value < 0 ? negative : positive}`;
+  /** @param {number} value @param {string} positive @param {string} negative */
+  const signed = (value, positive, negative) => `${Math.abs(value).toFixed(5)}° ${value < 0 ? negative : positive}`;
   const compensated = scale.compensated && pane.bins.mayCompensate ? " with r²" : "";
   return [
     [link.welcome?.scene_name ?? d.scene_name, pane.pick.selectedOptions[0]?.text ?? d.radar, modeWord(d.settings), timeText(pane),

@@ -147,7 +147,10 @@ export class Field {
     return String(digits === undefined || (value !== 0 && Math.abs(value) < 0.1 ** digits) ? Number(value.toPrecision(6)) : Number(value.toFixed(digits)));
   }
 
-  /** The wheel turns a field that may be changed, by its own steps; what is turned is sent when it stands still. @param {WheelEvent} event */
+  /**
+   * The wheel turns a field that may be changed, by its own steps; what is turned is sent when it stands still.
+   * @param {WheelEvent} event
+   */
   #turn(event) {
     const { type, limits, unit } = this.parameter;
     if (type !== "number" && type !== "integer") return;

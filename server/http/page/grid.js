@@ -49,7 +49,11 @@ export function stepOf(span, most) {
   return power * [1, 2, 5, 10].find((k) => span / (power * k) <= most);
 }
 
-/** The roundest step that gives four to six rings from one range to another, with the first and last multiple of it. @param {number} near @param {number} far */
+/**
+ * The roundest step that gives four to six rings from one range to another, with the first and last multiple of it.
+ * @param {number} near
+ * @param {number} far
+ */
 export function ringSteps(near, far) {
   const power = 10 ** Math.floor(Math.log10((far - near) / (MOST_RINGS + 1)));
   const rings = RING_STEPS.flatMap((k) => [k * power, 10 * k * power]).map((step) => (
@@ -138,7 +142,13 @@ function line(ppi, c, bearing_deg, from_m, to_m) {
 
 /** By part of the sector: a place on the plane. @typedef {(part: number) => import("./placement.js").Point} Ring */
 
-/** Distance on the plane of a slant range, by bearing: exact every RING_STEP_DEG, between them linear. @param {Ppi} ppi @param {number} slant_m @param {number} sector_deg @returns {Ring} */
+/**
+ * Distance on the plane of a slant range, by bearing: exact every RING_STEP_DEG, between them linear.
+ * @param {Ppi} ppi
+ * @param {number} slant_m
+ * @param {number} sector_deg
+ * @returns {Ring}
+ */
 function ringOf(ppi, slant_m, sector_deg) {
   const { start_deg } = ppi.bins.placement;
   const n = Math.max(1, Math.ceil(sector_deg / RING_STEP_DEG));
@@ -202,7 +212,13 @@ function rings(ppi, c, sector_deg) {
   }
 }
 
-/** @param {Ppi} ppi @param {Context} c @param {Ring} ring @param {string} text @param {{x: number, y: number, end: number}[]} places of labels */
+/**
+ * @param {Ppi} ppi
+ * @param {Context} c
+ * @param {Ring} ring
+ * @param {string} text
+ * @param {{x: number, y: number, end: number}[]} places of labels
+ */
 function ringLabel(ppi, c, ring, text, places) {
   const { isRound } = ppi.bins.placement;
   const part = isRound ? turned(ppi.view.up_deg + 95 - ppi.bins.placement.start_deg) / 360 : 1;
@@ -221,7 +237,12 @@ function ringLabel(ppi, c, ring, text, places) {
   write(c, text, x, y);
 }
 
-/** Bearings around the sector, or at the picture's border where that is nearer. @param {Ppi} ppi @param {Context} c @param {number} sector_deg */
+/**
+ * Bearings around the sector, or at the picture's border where that is nearer.
+ * @param {Ppi} ppi
+ * @param {Context} c
+ * @param {number} sector_deg
+ */
 function bearings(ppi, c, sector_deg) {
   const { placement } = ppi.bins;
   const [ax, ay] = ppi.toScreen(0, 0);
@@ -250,7 +271,14 @@ function bearings(ppi, c, sector_deg) {
   c.textAlign = "left";
 }
 
-/** The end of a bearing's line on the picture, with the line's direction; null: it is not on it. @param {Ppi} ppi @param {number} ax @param {number} ay @param {number} bx @param {number} by */
+/**
+ * The end of a bearing's line on the picture, with the line's direction; null: it is not on it.
+ * @param {Ppi} ppi
+ * @param {number} ax
+ * @param {number} ay
+ * @param {number} bx
+ * @param {number} by
+ */
 function borderOf(ppi, ax, ay, bx, by) {
   const inset = 34;
   const length = Math.hypot(bx - ax, by - ay);

@@ -65,7 +65,10 @@ export class Heading {
     return now_ms - this.moved_ms < 3000;
   }
 
-  /** The line that a display draws ahead: the heading, or where poses have none the radar's own bearing. @param {Placement} placement */
+  /**
+   * The line that a display draws ahead: the heading, or where poses have none the radar's own bearing.
+   * @param {Placement} placement
+   */
   ahead_deg(placement) {
     return this.heading_deg ?? placement.bearing_deg;
   }

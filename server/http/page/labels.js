@@ -10,7 +10,10 @@ const NO_MATERIAL = 255;
 const BANDS = 8; // of heights
 
 /** @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor */
-/** @typedef {Extract<import("../wire.js").PlaneKind, "MATERIAL"|"BUILDING"|"HEIGHT"|"RETURNS">} LabelPlane @typedef {LabelPlane|""} Label nothing: none */
+/**
+ * @typedef {Extract<import("../wire.js").PlaneKind, "MATERIAL"|"BUILDING"|"HEIGHT"|"RETURNS">} LabelPlane
+ * @typedef {LabelPlane|""} Label nothing: none
+ */
 
 /** @type {import("./palettes.js").Colour[]} */
 const COLOURS = [[214, 96, 77], [67, 147, 195], [253, 219, 120], [118, 186, 105], [160, 110, 190], [240, 160, 70], [120, 200, 200], [200, 200, 200]];
@@ -67,12 +70,22 @@ export function asStates(body, label, plane, descriptor) {
   return [{ ...body, plane: "STATE" }, LABELS[label].codes(plane, descriptor)];
 }
 
-/** What a code means; nothing: it is no label's. @param {Label} label @param {number} code @param {FrameDescriptor|null} descriptor */
+/**
+ * What a code means; nothing: it is no label's.
+ * @param {Label} label
+ * @param {number} code
+ * @param {FrameDescriptor|null} descriptor
+ */
 export function labelWord(label, code, descriptor) {
   return code < FIRST || !label ? "" : LABELS[label].words(descriptor)[code - FIRST] ?? "";
 }
 
-/** Word and tile of each code that has a colour. @param {Label} label @param {FrameDescriptor|null} descriptor @returns {[string, Uint32Array][]} */
+/**
+ * Word and tile of each code that has a colour.
+ * @param {Label} label
+ * @param {FrameDescriptor|null} descriptor
+ * @returns {[string, Uint32Array][]}
+ */
 export function labelLegend(label, descriptor) {
   if (!label || !descriptor) return [];
   return LABELS[label].words(descriptor).map((word, k) => [word, LABEL_TILES[FIRST + k]]);

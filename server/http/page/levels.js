@@ -6,15 +6,25 @@ const LOOK_MS = 1000; // between looks at what is shown
 const SETTLED_DB = 2; // a smaller change of the best levels leaves them
 const RECEIVER_SPAN_DB = 60; // as displays of logarithmic receivers have it
 
-/** @typedef {import("./bins.js").Bins} Bins @typedef {import("./table.js").BinTable} BinTable @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor */
+/**
+ * @typedef {import("./bins.js").Bins} Bins
+ * @typedef {import("./table.js").BinTable} BinTable
+ * @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor
+ */
 
-/** Whether something of the receiver is on: then levels stay where they are, so that its knobs are seen. @param {FrameDescriptor|null} descriptor */
+/**
+ * Whether something of the receiver is on: then levels stay where they are, so that its knobs are seen.
+ * @param {FrameDescriptor|null} descriptor
+ */
 export function hasReceiver(descriptor) {
   const s = descriptor?.settings ?? {};
   return number(descriptor?.noise_power_w) > 0 || /** @type {const} */ (["receiver_gain_db", "stc_range_m", "adc_bits", "ftc_us"]).some((field) => number(s[field]) !== 0);
 }
 
-/** Black at the noise before gain and sensitivity time control; null: the radar has no noise. @param {FrameDescriptor|null} descriptor */
+/**
+ * Black at the noise before gain and sensitivity time control; null: the radar has no noise.
+ * @param {FrameDescriptor|null} descriptor
+ */
 export function receiverLevels(descriptor) {
   const noise_W = number(descriptor?.noise_power_w);
   if (!(noise_W > 0)) return null;
@@ -68,7 +78,11 @@ export class Levels {
     this.isSettled = false;
   }
 
-  /** Whether no value of the video would be seen: a picture of too few echoes for levels of its own, that makes up for the range no more. @param {Bins} bins */
+  /**
+   * Whether no value of the video would be seen: a picture of too few echoes for levels of its own, that makes up for the range no
+   * more.
+   * @param {Bins} bins
+   */
   #misses(bins) {
     return !bins.mayCompensate && bins.floor_dB + 254 * bins.step_dB < this.low_dB;
   }

@@ -13,7 +13,11 @@ const EACH = /** @type {const} */ ([0, 1]);
 /** @returns {Lines} */
 export const noLines = () => ({ ebl: [null, null], vrm: [null, null] });
 
-/** Where bearing line and range marker k cross, as bearing and slant range; null: one of them is not there. @param {Lines} lines @param {0|1} k */
+/**
+ * Where bearing line and range marker k cross, as bearing and slant range; null: one of them is not there.
+ * @param {Lines} lines
+ * @param {0|1} k
+ */
 export function crossing({ ebl, vrm }, k) {
   return ebl[k] === null || vrm[k] === null ? null : { bearing_deg: ebl[k], slant_m: vrm[k] };
 }
@@ -48,7 +52,13 @@ function path(ppi, c, points) {
 
 const NEAR_PX = 8;
 
-/** What lies under a place of the picture: ["mark", k] the crossing, ["ebl", k], ["vrm", k]; null: nothing. @param {Ppi} ppi @param {number} x @param {number} y @returns {Line|null} */
+/**
+ * What lies under a place of the picture: ["mark", k] the crossing, ["ebl", k], ["vrm", k]; null: nothing.
+ * @param {Ppi} ppi
+ * @param {number} x
+ * @param {number} y
+ * @returns {Line|null}
+ */
 export function lineAt(ppi, x, y) {
   const { lines } = ppi.look;
   const at = ppi.read(ppi.fromScreen(x, y));
@@ -69,7 +79,13 @@ export function lineAt(ppi, x, y) {
   return null;
 }
 
-/** Moves a line or both to a reading. @param {Lines} lines @param {Line} line @param {{bearing_deg: number, slant_m: number}} at @returns {Lines} */
+/**
+ * Moves a line or both to a reading.
+ * @param {Lines} lines
+ * @param {Line} line
+ * @param {{bearing_deg: number, slant_m: number}} at
+ * @returns {Lines}
+ */
 export function movedLines({ ebl, vrm }, [kind, k], { bearing_deg, slant_m }) {
   /** @type {Lines} */
   const moved = { ebl: [...ebl], vrm: [...vrm] };

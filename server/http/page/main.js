@@ -143,6 +143,8 @@ watch.on("polled", () => {
   tell();
 });
 
+keep();
+
 // ---- Keys and buttons
 
 /** @type {Record<string, () => void>} */

@@ -3,7 +3,12 @@
 import { Events } from "./events.js";
 import { crossing, movedLines, noLines } from "./lines.js";
 
-/** @typedef {import("./lines.js").Line} Line @typedef {import("./lines.js").Lines} Lines @typedef {import("./look.js").Place} Place @typedef {import("./pane.js").Pane} Pane */
+/**
+ * @typedef {import("./lines.js").Line} Line
+ * @typedef {import("./lines.js").Lines} Lines
+ * @typedef {import("./look.js").Place} Place
+ * @typedef {import("./pane.js").Pane} Pane
+ */
 
 /** Lines have moved, or one waits for its place. @extends {Events<{lines: undefined}>} */
 export class Markers extends Events {

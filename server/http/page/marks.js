@@ -42,7 +42,11 @@ function stroke(c, colour, points) {
   c.stroke();
 }
 
-/** From the antenna to the edge, solid as on ships' displays; only of a radar whose poses have a heading, or that looks all round. @param {Ppi} ppi @param {CanvasRenderingContext2D} c */
+/**
+ * From the antenna to the edge, solid as on ships' displays; only of a radar whose poses have a heading, or that looks all round.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ */
 function headingLine(ppi, c) {
   const { bins: { placement }, heading } = ppi;
   if (heading.heading_deg === null && !placement.isRound) return; // the sector's centre is marked at its edge
@@ -50,7 +54,12 @@ function headingLine(ppi, c) {
   stroke(c, "rgba(236, 250, 244, 0.85)", [ppi.look.bscope ? ppi.screenOf(ahead, placement.r0_m) : ppi.toScreen(0, 0), ppi.screenOf(ahead, placement.rMax_m)]);
 }
 
-/** Of the sector, with a handle for a controller. @param {Ppi} ppi @param {CanvasRenderingContext2D} c @param {Point} antenna its pixels */
+/**
+ * Of the sector, with a handle for a controller.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ * @param {Point} antenna its pixels
+ */
 function centreLine(ppi, c, antenna) {
   const { placement } = ppi.bins;
   const bearing = ppi.draggedBearing_deg ?? placement.bearing_deg;

@@ -19,7 +19,10 @@ export function modeWord(settings) {
 
 const digits = (/** @type {number} */ value) => String(+value.toPrecision(3));
 
-/** Radial speeds that a canceller takes for ground are multiples of this one: half a wavelength a pulse. @param {RadarSettings} s */
+/**
+ * Radial speeds that a canceller takes for ground are multiples of this one: half a wavelength a pulse.
+ * @param {RadarSettings} s
+ */
 export const blind_mps = (s) => (C_MPS / (1e9 * number(s.frequency_ghz, 10)) / 2) * number(s.prf_hz, 1000);
 
 /** What each mode does and needs. @type {Record<string, (s: RadarSettings) => string>} */
@@ -33,7 +36,12 @@ const SENTENCES = {
   pulses: (s) => `Gives programs ${number(s.doppler_pulses, 16)} pulses a dwell; this picture is the map.`,
 };
 
-/** What a mode lacks at this moment; nothing: it works. @param {string} word @param {RadarSettings} s @param {{speed_mps: number}} heading */
+/**
+ * What a mode lacks at this moment; nothing: it works.
+ * @param {string} word
+ * @param {RadarSettings} s
+ * @param {{speed_mps: number}} heading
+ */
 function lack(word, s, { speed_mps }) {
   const flies = speed_mps > STANDS_MPS;
   if (word === "mti" && flies && !s.clutter_lock) return `It flies at ${speed_mps.toFixed(0)} m/s without clutter lock: the ground moves, too.`;

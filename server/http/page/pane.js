@@ -2,6 +2,7 @@
 
 import { Annunciators } from "./annunciators.js";
 import { Bins } from "./bins.js";
+import { put } from "./dom.js";
 import { Events } from "./events.js";
 import { asStates } from "./labels.js";
 import { Levels, bestScale } from "./levels.js";
@@ -288,11 +289,12 @@ export class Pane extends Events {
     this.says = `No picture ${this.called}: ${refusalText(error)}.`;
   }
 
-  /** A sentence on the picture itself; nothing: none. @param {string} text */
-  say(text) {
-    if (this.banner.textContent === text) return;
-    this.banner.textContent = text;
-    this.banner.hidden = !text;
+  /** Words on the picture itself: a sentence, nothing for none, and its corners. @param {string} sentence */
+  tell(sentence) {
+    put(this.banner, sentence);
+    this.banner.hidden = !sentence;
+    this.annunciators.show(this);
+    this.element.classList.toggle("standby", Boolean(this.info?.transmit_off));
   }
 
   remove() {

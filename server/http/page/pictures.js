@@ -181,7 +181,11 @@ export class Pictures extends Events {
     this.emit("active");
   }
 
-  /** @param {number} factor 0: all of the sector @param {number} [x] the page's pixels of what stays where it is @param {number} [y] */
+  /**
+   * @param {number} factor 0: all of the sector
+   * @param {number} [x] the page's pixels of what stays where it is
+   * @param {number} [y]
+   */
   zoom(factor, x, y, pane = this.first) {
     if (factor === 0) this.look.window = null;
     else pane.ppi.zoom(factor, x, y);

@@ -181,7 +181,11 @@ export class Placement {
     return this.r0_m + this.ranges * this.spacing_m;
   }
 
-  /** What the antenna measures of a place on the plane: slant range, true bearing. @param {number} east_m @param {number} north_m */
+  /**
+   * What the antenna measures of a place on the plane: slant range, true bearing.
+   * @param {number} east_m
+   * @param {number} north_m
+   */
   seen(east_m, north_m) {
     const [lat, lon] = direct(this.latitude_deg, this.longitude_deg, east_m, north_m);
     const [x, y, z] = this.world.world(lat, lon, this.reference_m);
@@ -231,7 +235,11 @@ export class Placement {
     });
   }
 
-  /** Azimuth bin of a bearing, range bin of a slant range; -1 where there is none. @param {number} bearing_deg @param {number} slant_m */
+  /**
+   * Azimuth bin of a bearing, range bin of a slant range; -1 where there is none.
+   * @param {number} bearing_deg
+   * @param {number} slant_m
+   */
   bin(bearing_deg, slant_m) {
     let row = Math.floor(turned(bearing_deg - this.start_deg) / this.width_deg);
     if (this.isRound) row = Math.min(row, this.azimuths - 1);

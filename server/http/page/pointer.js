@@ -39,7 +39,8 @@ export function listenPointer(pane, { look, pictures, markers, control, targets 
     const box = element.getBoundingClientRect();
     return [(event.clientX - box.left) / look.px, (event.clientY - box.top) / look.px];
   };
-  const near = (/** @type {number} */ x, /** @type {number} */ y, /** @type {[number, number]} */ point) => point && Math.hypot(x - point[0], y - point[1]) < NEAR_PX;
+  /** @param {number} x @param {number} y @param {[number, number]} point */
+  const near = (x, y, point) => point && Math.hypot(x - point[0], y - point[1]) < NEAR_PX;
   const bearingAt = (/** @type {number} */ x, /** @type {number} */ y) => turned(ppi.read(ppi.fromScreen(x, y)).bearing_deg);
   /** @returns {Drag} */
   const grabbed = (/** @type {number} */ x, /** @type {number} */ y) => {

@@ -11,7 +11,12 @@ const SEEN = [1, 2]; // of a record's sight: visible, visible over unknown groun
 
 /** @typedef {{slant_m: number, known: boolean, height_m: number, surface_m: number, seen: boolean}} Point */
 
-/** Records of a GroundAnswer: PROTOCOL.md, "Ground queries". @param {import("../wire.js").GroundAnswer} answer @param {Uint8Array} plane @returns {Omit<Point, "slant_m">[]} */
+/**
+ * Records of a GroundAnswer: PROTOCOL.md, "Ground queries".
+ * @param {import("../wire.js").GroundAnswer} answer
+ * @param {Uint8Array} plane
+ * @returns {Omit<Point, "slant_m">[]}
+ */
 export function recordsOf({ points, record_bytes }, plane) {
   const view = new DataView(plane.buffer, plane.byteOffset, plane.byteLength);
   return Array.from({ length: number(points) }, (_, k) => {

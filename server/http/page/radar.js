@@ -12,7 +12,13 @@ const isSame = (/** @type {number} */ a_m, /** @type {number} */ b_m) => Math.ab
 
 /** @typedef {import("./form.js").Parameter} Parameter */
 
-/** A switch that says why where it cannot be pressed. @param {string} id @param {string} text @param {string} title @param {() => void} onclick */
+/**
+ * A switch that says why where it cannot be pressed.
+ * @param {string} id
+ * @param {string} text
+ * @param {string} title
+ * @param {() => void} onclick
+ */
 function switchOf(id, text, title, onclick) {
   const button = make("button", { id, textContent: text, title, onclick });
   button.dataset.title = title;
@@ -217,7 +223,8 @@ export class RadarControls extends Events {
     this.own.hidden = !own_m;
     this.own.textContent = `${+(own_m / 1000).toFixed(1)} km`;
     const now_m = number(this.control.info?.settings?.r_max_m);
-    const press = (/** @type {HTMLButtonElement} */ button, /** @type {number} */ range_m) => button.setAttribute("aria-pressed", String(isSame(now_m, range_m)));
+    /** @param {HTMLButtonElement} button @param {number} range_m */
+    const press = (button, range_m) => button.setAttribute("aria-pressed", String(isSame(now_m, range_m)));
     press(this.own, own_m);
     for (const [k, button] of this.scales.entries()) press(button, this.rangeScales.metres[k]);
   }

@@ -13,10 +13,16 @@ const SCAN_SECONDS = 12; // of passes
 const MINUTE_MS = 60000;
 const KEPT = 4096; // latencies, for the greatest of late and for benches
 
-export const distanceText = (/** @type {number} */ metres, /** @type {import("./grid.js").Unit} */ unit) => `${(metres / UNIT_M[unit]).toFixed(2)} ${unit}`;
+/** @param {number} metres @param {import("./grid.js").Unit} unit */
+export const distanceText = (metres, unit) => `${(metres / UNIT_M[unit]).toFixed(2)} ${unit}`;
 export const bearingText = (/** @type {number} */ degrees) => `${(turned(Math.round(degrees * 10) / 10) % 360).toFixed(1).padStart(5, "0")}°`;
 
-/** Degrees and minutes to a tenth, as navigators read them: 43°27.9′N. @param {number} degrees @param {string} positive @param {string} negative */
+/**
+ * Degrees and minutes to a tenth, as navigators read them: 43°27.9′N.
+ * @param {number} degrees
+ * @param {string} positive
+ * @param {string} negative
+ */
 export function minutesText(degrees, positive, negative) {
   const tenths = Math.round(Math.abs(degrees) * 600);
   const minutes = ((tenths % 600) / 10).toFixed(1).padStart(4, "0");
@@ -108,7 +114,11 @@ export class Meter {
     this.past.push({ at_ms: now, received: this.received, drawn: this.drawn });
   }
 
-  /** Frames that were skipped and dwells that were missed in the last minute. @param {{skipped: number, missed: number}} counts @param {number} now */
+  /**
+   * Frames that were skipped and dwells that were missed in the last minute.
+   * @param {{skipped: number, missed: number}} counts
+   * @param {number} now
+   */
   #lately({ skipped, missed }, now) {
     const { losses } = this;
     const newest = losses.at(-1);

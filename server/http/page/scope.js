@@ -63,7 +63,11 @@ export class Scope {
     c.textAlign = "left";
   }
 
-  /** The axis holds all that was seen of this geometry, in steps of ten. @param {Uint8Array} values @param {import("./bins.js").Bins} bins */
+  /**
+   * The axis holds all that was seen of this geometry, in steps of ten.
+   * @param {Uint8Array} values
+   * @param {import("./bins.js").Bins} bins
+   */
   #settle(values, bins) {
     const key = `${bins.floor_dB} ${bins.step_dB} ${bins.placement.key.split(",").slice(0, 6)}`;
     if (key !== this.key) [this.key, this.low, this.high] = [key, Infinity, -Infinity];

@@ -1,4 +1,4 @@
-// The sentences above and on the pictures, and what else a glance tells: rates, corners.
+// The sentences above and on the pictures.
 
 import { $, put } from "./dom.js";
 import { sentences } from "./words.js";
@@ -34,9 +34,7 @@ export class StatusLine {
     words.dataset.grave = String(said[0]?.grave ?? 0);
     for (const pane of facts.panes) {
       const own = said.find(({ banner, panes }) => banner && (panes?.includes(pane) ?? true));
-      pane.say(own?.banner ?? "");
-      pane.annunciators.show(pane);
-      pane.element.classList.toggle("standby", Boolean(pane.info?.transmit_off));
+      pane.tell(own?.banner ?? "");
     }
   }
 }

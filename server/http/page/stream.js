@@ -21,7 +21,11 @@ export class Refused extends Error {
   }
 }
 
-/** In words: first what is wrong with the field of a key, without its name, where there is one. @param {Error} error @param {string} [key] */
+/**
+ * In words: first what is wrong with the field of a key, without its name, where there is one.
+ * @param {Error} error
+ * @param {string} [key]
+ */
 export function refusalText(error, key) {
   const fields = error instanceof Refused ? error.fields : [];
   const wordsOf = (/** @type {import("../wire.js").FieldFault} */ { found, allowed }) => `found ${found}; allowed: ${allowed}`;
@@ -47,7 +51,10 @@ export function refusalText(error, key) {
  */
 /** @template {keyof Messages} Type @typedef {Type extends keyof Answers ? Answers[Type] : import("../wire.js").Ack} AnswerTo */
 /** Of range, as the server offers them. @typedef {{scales: number[], unit: import("./grid.js").Unit}} Scales */
-/** By type each message that answers no request. @typedef {MessageOf & {state: LinkState, welcome: import("../wire.js").Welcome, scales: Scales}} Said */
+/**
+ * By type each message that answers no request.
+ * @typedef {MessageOf & {state: LinkState, welcome: import("../wire.js").Welcome, scales: Scales}} Said
+ */
 
 /** @extends {Events<Said>} */
 export class Link extends Events {
@@ -62,7 +69,10 @@ export class Link extends Events {
     this.received = 0; // bytes
     /** @type {WebSocket|null} */
     this.socket = null;
-    /** Requests by their ids. @type {Map<string, {resolve: (answer: any) => void, reject: (error: Error) => void, limit: number}>} */
+    /**
+     * Requests by their ids.
+     * @type {Map<string, {resolve: (answer: any) => void, reject: (error: Error) => void, limit: number}>}
+     */
     this.waiting = new Map();
     this.nextRequest = 1;
     this.sequence = 0;

@@ -21,7 +21,13 @@ const TURN = 2 * Math.PI;
 
 /** @typedef {import("./placement.js").Point} Point @typedef {import("./placement.js").Placement} Placement */
 
-/** East and north of a place on the picture, in pixels from its upper left corner. @param {View} view @param {number} px @param {number} py @returns {Point} */
+/**
+ * East and north of a place on the picture, in pixels from its upper left corner.
+ * @param {View} view
+ * @param {number} px
+ * @param {number} py
+ * @returns {Point}
+ */
 export function onPlane(view, px, py) {
   const right = view.right_m + (px - view.width / 2) * view.pixel_m;
   const ahead = view.ahead_m - (py - view.height / 2) * view.pixel_m;
@@ -170,7 +176,11 @@ export class BinTable {
   }
 }
 
-/** Exact at every LATTICE-th pixel: slant range^2 less distance^2, and bearing less direction. @param {Placement} placement @param {View} view */
+/**
+ * Exact at every LATTICE-th pixel: slant range^2 less distance^2, and bearing less direction.
+ * @param {Placement} placement
+ * @param {View} view
+ */
 function latticeOf(placement, view) {
   const columns = Math.ceil(view.width / LATTICE) + 2;
   const rows = Math.ceil(view.height / LATTICE) + 2;

@@ -15,7 +15,7 @@ const HALO = "rgba(7, 11, 14, 0.85)";
 const PLATE = "rgba(7, 11, 14, 0.78)"; // below a name
 const LEAST_SPEED_MPS = 0.3; // with a leader
 
-/** In the page's pixels. @typedef {[number, number]} Point */
+/** In the page's pixels. @typedef {[number, number]} Point @typedef {import("./ppi.js").Box} Box */
 /** A mark that lies on the picture. @typedef {{record: TargetRecord, at: Point}} Mark */
 
 /**
@@ -116,7 +116,13 @@ function outline(c, colour, dashes = []) {
 const isIn = (/** @type {TargetRecord} */ { azimuth_bin, range_bin }) => azimuth_bin >= 0 && range_bin >= 0;
 const colourOf = (/** @type {TargetRecord} */ record) => (isIn(record) && record.share > 0 ? SEEN : DIM);
 
-/** Filled as far as it is seen: all, its lower half, nothing. One beside sector and swath is small. @param {CanvasRenderingContext2D} c @param {Point} at @param {TargetRecord} record @param {boolean} isChosen */
+/**
+ * Filled as far as it is seen: all, its lower half, nothing. One beside sector and swath is small.
+ * @param {CanvasRenderingContext2D} c
+ * @param {Point} at
+ * @param {TargetRecord} record
+ * @param {boolean} isChosen
+ */
 function mark(c, [x, y], record, isChosen) {
   const { share } = record;
   const colour = colourOf(record);
@@ -152,7 +158,13 @@ function lines(c, colour, points, dashes = []) {
   outline(c, colour, dashes);
 }
 
-/** To where it will be in a minute. @param {Ppi} ppi @param {CanvasRenderingContext2D} c @param {Mark} mark @param {TargetsShown} targets */
+/**
+ * To where it will be in a minute.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ * @param {Mark} mark
+ * @param {TargetsShown} targets
+ */
 function leader(ppi, c, { record, at }, targets) {
   const velocity = targets.velocityOf(record.id, ppi.truth);
   if (!velocity || Math.hypot(velocity.north, velocity.east) < LEAST_SPEED_MPS) return;
@@ -199,12 +211,19 @@ function cornersOf({ element, look }) {
   return boxes;
 }
 
-/** Beside their marks, where no other word and no mark stands; the chosen one's first, then those that the radar looks at. @param {Ppi} ppi @param {CanvasRenderingContext2D} c @param {Mark[]} shown @param {TargetsShown} targets */
+/**
+ * Beside their marks, where no other word and no mark stands; the chosen one's first, then those that the radar looks at.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ * @param {Mark[]} shown
+ * @param {TargetsShown} targets
+ */
 function names(ppi, c, shown, targets) {
-  /** @type {import("./ppi.js").Box[]} */
+  /** @type {Box[]} */
   const taken = shown.map(({ at: [x, y] }) => ({ left: x - SIDE_PX, right: x + SIDE_PX, top: y - SIDE_PX, bottom: y + SIDE_PX }));
   taken.push(...ppi.words, ...cornersOf(ppi));
-  const meets = (/** @type {import("./ppi.js").Box} */ a, /** @type {import("./ppi.js").Box} */ b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  /** @param {Box} a @param {Box} b */
+  const meets = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
   const rank = (/** @type {Mark} */ { record }) => (record.id === targets.chosen ? 2 : isIn(record) ? 1 : 0);
   const order = [...shown].sort((a, b) => rank(b) - rank(a)).slice(0, MOST_NAMES);
   const { left, right, top, bottom } = edges(ppi);

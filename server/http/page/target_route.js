@@ -23,9 +23,15 @@ export function pointsOf({ route, height_m }) {
   }));
 }
 
-const length = (/** @type {LatLon} */ from, /** @type {LatLon} */ to) => Math.hypot(...inverse(from.latitude_deg, from.longitude_deg, to.latitude_deg, to.longitude_deg));
+/** In metres. @param {LatLon} from @param {LatLon} to */
+const length = (from, to) => Math.hypot(...inverse(from.latitude_deg, from.longitude_deg, to.latitude_deg, to.longitude_deg));
 
-/** How many of the ways it has behind it, so long after it was at their beginning. @param {Way[]} ways @param {number} age_s @param {boolean} loops */
+/**
+ * How many of the ways it has behind it, so long after it was at their beginning.
+ * @param {Way[]} ways
+ * @param {number} age_s
+ * @param {boolean} loops
+ */
 function passedBy(ways, age_s, loops) {
   const round_s = ways.reduce((sum, { s }) => sum + s, 0);
   let left_s = loops && round_s > 0 ? age_s % round_s : age_s;

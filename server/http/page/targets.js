@@ -20,7 +20,10 @@ const NOT_CLAIMED = 103;
 
 /** @typedef {import("../wire.js").Target & {read_ms: number}} Known a target and when the page read it */
 /** @typedef {import("./pane.js").Pane} Pane */
-/** Where a new target is to be: a bearing and range of a picture. @typedef {{pane: Pane, ppi: import("./ppi.js").Ppi, bearing_deg: number, range_m: number}} Fresh */
+/**
+ * Where a new target is to be: a bearing and range of a picture.
+ * @typedef {{pane: Pane, ppi: import("./ppi.js").Ppi, bearing_deg: number, range_m: number}} Fresh
+ */
 
 /** They are shown, or no longer. @extends {Events<{wanted: undefined}>} */
 export class Targets extends Events {
@@ -209,7 +212,11 @@ export class Targets extends Events {
 
   // ---- What is set by hand
 
-  /** Does what may be refused; the refusal stands in the panel. @param {() => Promise<unknown>} what @returns {Promise<boolean>} whether it was done */
+  /**
+   * Does what may be refused; the refusal stands in the panel.
+   * @param {() => Promise<unknown>} what
+   * @returns {Promise<boolean>} whether it was done
+   */
   async attempt(what) {
     this.refusal = "";
     try {
@@ -316,7 +323,13 @@ export class Targets extends Events {
     pane.ppi.needs.marks = true;
   }
 
-  /** Its mark was let go. A route goes on from there. @param {Pane} pane @param {string} id @param {number} x @param {number} y */
+  /**
+   * Its mark was let go. A route goes on from there.
+   * @param {Pane} pane
+   * @param {string} id
+   * @param {number} x
+   * @param {number} y
+   */
   async drop(pane, id, x, y) {
     const at = pane.ppi.read(pane.ppi.fromScreen(x, y));
     const target = this.list.get(id);
@@ -335,7 +348,11 @@ export class Targets extends Events {
     pane.ppi.needs.marks = true;
   }
 
-  /** What would be lost of its motion if a place alone were set. @param {Known} target @param {import("./target_route.js").RoutePoint[]} points */
+  /**
+   * What would be lost of its motion if a place alone were set.
+   * @param {Known} target
+   * @param {import("./target_route.js").RoutePoint[]} points
+   */
   #motion(target, points) {
     return target.route ? { route: routeOf(points, Boolean(target.route.loops)) } : {};
   }

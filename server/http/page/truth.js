@@ -125,7 +125,12 @@ export function measured(placement, latitude_deg, longitude_deg, height_m) {
   return { bearing_deg: turned((Math.atan2(dx, dz) - placement.north_rad) / DEGREE), range_m: Math.hypot(dx, dy, dz) };
 }
 
-/** Where it will be in a minute. @param {import("./placement.js").Placement} placement @param {TargetRecord} record @param {Velocity} velocity */
+/**
+ * Where it will be in a minute.
+ * @param {import("./placement.js").Placement} placement
+ * @param {TargetRecord} record
+ * @param {Velocity} velocity
+ */
 export function soon(placement, { latitude_deg, longitude_deg, height_m }, { north, east }) {
   return measured(placement, ...direct(latitude_deg, longitude_deg, east * LEADER_S, north * LEADER_S), height_m);
 }

@@ -8,7 +8,10 @@ import { LEAST_COVERAGE } from "./words.js";
 const POLL_MS = 1000;
 const NO_SUCH_RADAR = 101; // number of an Error
 
-/** How all stand was asked for, answered or not; one of the radars is not there. @extends {Events<{polled: undefined, unknown: undefined}>} */
+/**
+ * How all stand was asked for, answered or not; one of the radars is not there.
+ * @extends {Events<{polled: undefined, unknown: undefined}>}
+ */
 export class Watch extends Events {
   /**
    * @param {object} parts

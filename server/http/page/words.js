@@ -5,7 +5,10 @@ import { number } from "./messages.js";
 export const LEAST_COVERAGE = 0.9995; // with less there is ground that no file has
 
 /** @typedef {import("./pane.js").Pane} Pane */
-/** @typedef {{grave: 0|1|2, text: string, banner?: string, panes?: Pane[]}} Sentence 2: the picture is not live; without panes: of all */
+/**
+ * @typedef {{grave: 0|1|2, text: string, banner?: string, panes?: Pane[]}} Sentence 2: the picture is not live; without panes: of
+ *   all
+ */
 /** Of the radar of this name. @typedef {Sentence & {name?: string}} NamedSentence */
 
 /**
@@ -32,7 +35,11 @@ export function sentences({ state, panes, replay, isHeld, news, status }) {
   return joined(found).sort((a, b) => b.grave - a.grave);
 }
 
-/** One sentence for what several panes say, with the names of their radars in front. @param {NamedSentence[]} found @returns {Sentence[]} */
+/**
+ * One sentence for what several panes say, with the names of their radars in front.
+ * @param {NamedSentence[]} found
+ * @returns {Sentence[]}
+ */
 function joined(found) {
   /** @type {Map<string, Sentence & {names: Set<string>}>} */
   const said = new Map();
@@ -86,7 +93,8 @@ function paneSentences(pane, name, isHeld) {
   const { info, status, bins } = pane;
   /** @type {NamedSentence[]} */
   const found = [];
-  const say = (/** @type {0|1|2} */ grave, /** @type {string} */ text, /** @type {string} */ banner = undefined) => found.push({ grave, text, name, banner, panes: [pane] });
+  /** @param {0|1|2} grave @param {string} text @param {string} [banner] */
+  const say = (grave, text, banner) => found.push({ grave, text, name, banner, panes: [pane] });
   if (pane.says) say(1, pane.says, pane.awaits || pane.isRendered ? `NO PICTURE\n${pane.says}` : undefined);
   else if (pane.awaits && !isHeld && !info?.transmit_off && !info?.fault)
     say(0, `Waiting for the first picture ${pane.radar ? `of ${pane.radar}` : pane.called}.`, "WAITING");
