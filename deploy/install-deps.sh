@@ -76,6 +76,18 @@ install_selenium() {
     echo "install-deps: no selenium (does the Python package registry answer?): the page's tests will be skipped" >&2
 }
 
+# TypeScript, which checks the types of the page's modules, into build/typescript. Debian's npm would bring some hundred packages: whoever
+# has node and npm gets it, for others those tests are skipped.
+install_typescript() {
+  case " $groups " in *" test "*) ;; *) return 0 ;; esac
+  local version=5.9.3 folder
+  folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)/build/typescript
+  if grep -qs "\"version\": \"$version\"" "$folder/node_modules/typescript/package.json"; then return 0; fi
+  echo "install-deps: typescript $version into $folder"
+  command -v npm >/dev/null && npm install --silent --no-audit --no-fund --prefix "$folder" "typescript@$version" </dev/null ||
+    echo "install-deps: no typescript (is npm there, does its registry answer?): checks of the page's types will be skipped" >&2
+}
+
 # dpkg-query fails when any name is unknown to it, yet still prints the others.
 installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null |
   awk '$2 == "installed" {print $1}' || true)
@@ -83,6 +95,7 @@ mapfile -t missing < <(comm -13 <(sort -u <<<"$installed") <(printf '%s\n' "${wa
 if [ ${#missing[@]} -eq 0 ]; then
   echo "install-deps: nothing to install ($*)"
   install_selenium
+  install_typescript
   exit 0
 fi
 echo "install-deps: missing: ${missing[*]}"
@@ -113,3 +126,4 @@ if ! install_missing; then
   install_missing || die "apt-get could not install: ${missing[*]}"
 fi
 install_selenium
+install_typescript

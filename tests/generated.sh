@@ -20,7 +20,8 @@ write server/modbus/REGISTERS.md "$bin/obliq" parameters --modbus
 bash tests/python/run.sh --program client/python/generate.py --obliq "$bin/obliq"
 python3 tests/guide/commands.py --bin "$bin"
 python3 client/guide/make_help.py
+bash tests/python/run.sh --program server/http/make_types.py
 python3 tests/csharp/integers.py
 python3 tests/figures/figures.py >/dev/null
 OBLIQ_WRITE_SESSION_BYTES=tests/integration/session_bytes.txt "$bin/session_bytes_test" --gtest_brief=1 --gtest_filter=SessionBytes.* >/dev/null
-git status --short -- '*.md' '*.html' client/python/src client/csharp tests/integration/session_bytes.txt
+git status --short -- '*.md' '*.html' '*.d.ts' client/python/src client/csharp tests/integration/session_bytes.txt

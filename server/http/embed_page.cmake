@@ -1,6 +1,6 @@
 # Turns the files of the page into a C++ source:
 #   cmake -D "FILES=a.html;b.js" -D OUT=page_bytes.cpp -P embed_page.cmake
-# Scripts and styles are served without indentation and without the comments that stand in lines of their own.
+# Scripts and styles are served without indentation, blank lines and comments. So no text of a script has " // " or "/** ".
 set(arrays "")
 set(rows "")
 set(number 0)
@@ -11,6 +11,9 @@ foreach(file IN LISTS FILES)
     string(REGEX REPLACE "\n[ \t]+" "\n" text "\n${text}")
     string(REGEX REPLACE "\n/\\*([^*]|\\*+[^*/])*\\*+/" "" text "${text}")
     string(REGEX REPLACE "\n//[^\n]*" "" text "${text}")
+    string(REGEX REPLACE "/\\*\\* [^*\n]*\\*/ ?" "" text "${text}")
+    string(REGEX REPLACE " +// [^\n]*" "" text "${text}")
+    string(REGEX REPLACE "\n\n+" "\n" text "${text}")
     string(HEX "${text}" hex)
   else()
     file(READ ${file} hex HEX)

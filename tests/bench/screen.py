@@ -85,10 +85,10 @@ def standing(seconds):
     received, drawn = frames_in(page, seconds)
     row("  with a second page open", f"{received:.1f} received, {drawn:.1f} drawn a second")
     other.close()
-    tables = page.script("""const t = []; for (let k = 0; k < 20; ++k) { obliq.zoom(k % 2 ? 1.3 : 1 / 1.3); const { ppi } = obliq.panes[0];
+    tables = page.script("""const t = []; for (let k = 0; k < 20; ++k) { obliq.pictures.zoom(k % 2 ? 1.3 : 1 / 1.3); const { ppi } = obliq.panes[0];
         ppi.draw(performance.now() + 100 * k); t.push(ppi.times.table_ms); } return t;""")
     row("  zoom step at 1024", f"{part(tables[4:], .5):.1f} ms, 99 % {part(tables[4:], .99):.1f} ms")
-    glow = page.script("""obliq.change({ afterglow_s: 5 }); const { ppi } = obliq.panes[0], t = [];
+    glow = page.script("""obliq.look.change({ afterglow_s: 5 }); const { ppi } = obliq.panes[0], t = [];
         for (let k = 0; k < 20; ++k) { ppi.needs.all = true; ppi.draw(performance.now() + 5000 + 100 * k); t.push(ppi.times.draw_ms); } return t;""")
     row("  draw of all with afterglow, 1024", f"{part(glow, .5):.1f} ms, 99 % {part(glow, .99):.1f} ms")
     page.close()
@@ -189,7 +189,7 @@ def picture(path):
     daemon, page = support.Daemon(SCENES / "demo.toml"), support.Page()
     page.open(daemon.url, "rate=5")
     page.await_script("globalThis.obliq && obliq.meter.drawn > 3", "frames")
-    page.script("const { ppi } = obliq.panes[0]; obliq.setCursor(ppi.fromScreen(600, 330)); obliq.placeLine(['mark', 0], obliq.panes[0], 470, 300); "
+    page.script("const { ppi } = obliq.panes[0]; obliq.markers.setCursor(ppi.fromScreen(600, 330)); obliq.markers.placeLine(['mark', 0], obliq.panes[0], 470, 300); "
                 "document.activeElement?.blur?.()")
     time.sleep(1.5)
     page.shot(path)

@@ -115,10 +115,10 @@ class Connection(unittest.TestCase):
         daemon = self.daemon()
         self.open(daemon, "a=main&tab=radar")
         self.page.script("document.getElementById('claim').click()")
-        self.page.await_script("obliq.controls.isMine", "control")
+        self.page.await_script("obliq.control.isMine", "control")
         self.page.await_script("!document.querySelector('#radar [data-key]').hidden", "the form")
         with obliq.connect(daemon.address, name="instructor") as server, server.radar("main").control(force=True):
-            self.page.await_script("!obliq.controls.isMine && document.querySelector('#radar [data-key]').hidden", "a closed form")
+            self.page.await_script("!obliq.control.isMine && document.querySelector('#radar [data-key]').hidden", "a closed form")
             self.page.await_script("document.querySelector('#radar > .refusal').textContent.includes('instructor')", "who took it")
             self.page.await_script("document.querySelector('.holder').textContent.includes('instructor')", "who holds it")
             self.assertIn("instructor", self.page.words())

@@ -112,9 +112,9 @@ class Debrief(unittest.TestCase):
 
     def test_a_paused_picture_does_not_fade_and_has_ages(self):
         self.pause(self.page, 4)
-        self.page.script("window.then = performance.now(); obliq.change({ afterglow_s: 2 })")
+        self.page.script("window.then = performance.now(); obliq.look.change({ afterglow_s: 2 })")
         self.page.await_script("performance.now() - then > 5000", "more than twice the afterglow")
-        self.page.script("obliq.change({ palette: 'grey' })")
+        self.page.script("obliq.look.change({ palette: 'grey' })")
         self.page.await_script("!obliq.panes[0].ppi.needs.all", "a picture")
         least, most = self.page.script("const { ages } = obliq.panes[0].ppi; return [Math.min(...ages), Math.max(...ages)]")
         self.assertEqual(least, 0, "where the beam stands nothing has faded")

@@ -25,8 +25,8 @@ class Forms(unittest.TestCase):
 
     def take_control(self):
         self.page.await_script("!document.getElementById('claim').disabled", "control to take")
-        self.page.script("if (!obliq.controls.isMine) document.getElementById('claim').click()")
-        self.page.await_script("obliq.controls.isMine && document.querySelector('#setup [data-key]')", "the form")
+        self.page.script("if (!obliq.control.isMine) document.getElementById('claim').click()")
+        self.page.await_script("obliq.control.isMine && document.querySelector('#setup [data-key]')", "the form")
 
     def test_a_mistyped_number_is_refused_beside_its_field(self):
         self.show("a=main&tab=setup")
@@ -49,7 +49,7 @@ class Forms(unittest.TestCase):
                 self.assertEqual(self.page.script("return sent"), 0, "requests")
         self.page.script("const f = document.querySelector('#setup [data-key=\"radar.sector_deg\"]'); f.value = '50'; f.dispatchEvent(new Event('change'))")
         self.page.await_script("obliq.panes[0].info.settings.sector_deg === 50", "a value that is allowed")
-        self.assertTrue(self.page.script("return obliq.link.isLive && obliq.controls.isMine"))
+        self.assertTrue(self.page.script("return obliq.link.isLive && obliq.control.isMine"))
 
     def test_the_tab_radar_has_what_the_table_calls_knobs_and_no_form_what_is_of_programs(self):
         table = [p for p in json.loads(self.daemon.run("parameters", "--json")) if p["message_field"]]
@@ -98,7 +98,7 @@ class Forms(unittest.TestCase):
         self.assertNotIn("frustum symmetric", self.page.script(options))
         self.show("panes=2", daemon.url)
         self.page.await_script("obliq.panes[1]?.bins.frames > 0", "a second picture of a bookmark")
-        self.page.script("obliq.choose(obliq.panes[1], 'frustum symmetric')")
+        self.page.script("obliq.pictures.choose(obliq.panes[1], 'frustum symmetric')")
         banner = "obliq.panes[{}].banner"
         self.page.await_script(f"{banner.format(1)}.textContent.includes('symmetric') && !{banner.format(1)}.hidden", "a refusal in its picture")
         self.assertTrue(self.page.script(f"return {banner.format(0)}.hidden"))
@@ -106,7 +106,7 @@ class Forms(unittest.TestCase):
     def test_a_range_scale_has_rings_in_its_unit_and_a_way_back(self):
         self.show("a=round&tab=radar")
         self.take_control()
-        self.addCleanup(self.page.script, "obliq.controls.isMine && obliq.controls.toggleControl()")
+        self.addCleanup(self.page.script, "obliq.control.isMine && obliq.control.toggle()")
         rings = "obliq.panes[0].ppi.ringStep"
         for button, unit, reach in (("scale-10", "NM", 10), ("scale-20", "NM", 20), ("scale-own", "km", 15)):
             with self.subTest(button=button):
@@ -136,12 +136,22 @@ class Forms(unittest.TestCase):
         self.page.script("document.getElementById('tab-view').click()")
         self.assertEqual(self.page.script("return location.hash"), "")
 
+    def test_a_pose_is_set_though_the_page_knows_a_claim_that_is_over(self):
+        self.show()
+        self.take_control()
+        height_m, said = self.page.driver.execute_async_script("""const done = arguments[0];
+            obliq.panes[0].info.claimed_by_you = ['SETTINGS_CLAIM', 'POSE_CLAIM'];  // as a poll reads it within a pose's moment
+            obliq.control.pose({ height_m: 2600 }).catch((error) => error.message)
+              .then((said) => obliq.link.ask('GetRadar', { radar: 'main' }).then(({ pose, claimed_by_you }) => done([pose.height_m, [said ?? '', ...claimed_by_you]])));""")
+        self.addCleanup(self.page.driver.execute_async_script, "const done = arguments[0]; obliq.control.pose({ height_m: 2500 }).then(done, done)")
+        self.assertEqual([height_m, said], [2600, ["", "SETTINGS_CLAIM"]])
+
     def test_a_picture_that_has_not_come_is_waited_for(self):
         self.show()
-        self.page.script("window.take = obliq.take; obliq.take = () => {}; obliq.choose(obliq.panes[0], 'radar wide')")
+        self.page.script("window.take = obliq.pictures.take; obliq.pictures.take = () => {}; obliq.pictures.choose(obliq.panes[0], 'radar wide')")
         self.page.await_words("Waiting for the first picture of wide.")
         self.assertFalse(self.page.script("return obliq.panes[0].banner.hidden"))
-        self.page.script("obliq.take = window.take")
+        self.page.script("obliq.pictures.take = window.take")
         self.page.await_script("obliq.panes[0].banner.hidden && !document.getElementById('words').textContent.includes('Waiting')", "the picture")
 
     def test_what_two_radars_have_in_common_is_said_once(self):

@@ -67,13 +67,13 @@ class Modes(unittest.TestCase):
 
     def take_control(self):
         self.page.await_script("!document.getElementById('claim').disabled", "control to take")
-        self.page.script("if (!obliq.controls.isMine) document.getElementById('claim').click()")
-        self.page.await_script("obliq.controls.isMine && !document.getElementById('mode-mti').disabled", "control")
+        self.page.script("if (!obliq.control.isMine) document.getElementById('claim').click()")
+        self.page.await_script("obliq.control.isMine && !document.getElementById('mode-mti').disabled", "control")
         self.addCleanup(self.release)
 
     def release(self):
         self.page.driver.execute_async_script("""const done = arguments[0];
-            obliq.link.ask('ResetExercise', { radar: obliq.panes[0].radar }).catch(() => {}).then(() => obliq.controls.toggleControl()).then(() => done());""")
+            obliq.link.ask('ResetExercise', { radar: obliq.panes[0].radar }).catch(() => {}).then(() => obliq.control.toggle()).then(() => done());""")
 
     def press(self, mode):
         self.page.script("document.getElementById(`mode-${arguments[0]}`).click()", mode)

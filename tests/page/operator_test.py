@@ -70,9 +70,9 @@ class Operator(unittest.TestCase):
 
     def take_control(self):
         self.page.await_script("!document.getElementById('claim').disabled", "control to take")
-        self.page.script("if (!obliq.controls.isMine) document.getElementById('claim').click()")
-        self.page.await_script("obliq.controls.isMine && obliq.controls.fields.length > 3", "control")
-        self.addCleanup(self.page.script, "obliq.controls.isMine && obliq.controls.toggleControl()")
+        self.page.script("if (!obliq.control.isMine) document.getElementById('claim').click()")
+        self.page.await_script("obliq.control.isMine && obliq.controls.fields.length > 3", "control")
+        self.addCleanup(self.page.script, "obliq.control.isMine && obliq.control.toggle()")
 
     def set(self, **settings):
         self.page.driver.execute_async_script("const done = arguments[1]; obliq.link.ask('SetSettings', { radar: obliq.panes[0].radar, settings: arguments[0] })"
@@ -107,7 +107,7 @@ class Operator(unittest.TestCase):
     def test_each_of_two_pictures_has_its_own_levels(self):
         self.show("a=nose&panes=2&b=radar%20turning")
         self.page.await_script("obliq.panes[1]?.bins.frames > 0", "two pictures")
-        self.page.script("obliq.activate(obliq.panes[1]); document.getElementById('low').value = -90; document.getElementById('low').oninput()")
+        self.page.script("obliq.pictures.activate(obliq.panes[1]); document.getElementById('low').value = -90; document.getElementById('low').oninput()")
         levels = self.page.script("return obliq.panes.map(({ levels }) => levels.low_dB)")
         self.assertNotEqual(levels[0], levels[1])
         self.assertEqual(self.page.script("return obliq.panes.map(({ bins }) => bins.scale.low_dB)"), levels)
@@ -175,11 +175,11 @@ class Operator(unittest.TestCase):
 
     def test_what_the_beam_has_not_told_yet_is_grey_and_not_what_was_not_sampled(self):
         self.show("a=turning")
-        self.page.script("""window.take = obliq.take.bind(obliq);
-            obliq.take = (message) => message.body.plane !== "STATE" && window.take(message);  // they have not come
+        self.page.script("""window.take = obliq.pictures.take.bind(obliq.pictures);
+            obliq.pictures.take = (message) => message.body.plane !== "STATE" && window.take(message);  // they have not come
             obliq.display.set({ overlay: true });""")
         self.page.await_script("obliq.look.overlay && !obliq.panes[0].bins.hasStates", "the overlay")
-        self.page.script("obliq.take = window.take")
+        self.page.script("obliq.pictures.take = window.take")
         self.page.await_script("obliq.panes[0].bins.hasStates", "first states")
         counts = self.page.script("""
             const { ppi, bins } = obliq.panes[0], { out, table } = ppi, counts = { grey: 0, magenta: 0, told: 0 };
@@ -261,7 +261,7 @@ class Operator(unittest.TestCase):
         with self.server.radar("turning").control() as control:
             control.set_pose(height_m=80.0, height_reference="ground")
         self.addCleanup(self.lift)
-        self.page.script("obliq.setLines({ ebl: [75, null], vrm: [null, null] })")
+        self.page.script("obliq.markers.setLines({ ebl: [75, null], vrm: [null, null] })")
         self.page.await_script("obliq.panes[0].profile.points.length > 200", "a profile")
         time.sleep(1.5)
         self.page.await_script("obliq.panes[0].profile.points.filter(({ seen }) => !seen).length > 5", "hidden ground")
@@ -359,7 +359,7 @@ class Operator(unittest.TestCase):
 
     def test_the_banner_stands_at_the_top_and_off_the_map_beats_stale_pose(self):
         self.show("a=nose")
-        self.page.script("""obliq.poll = async () => {};
+        self.page.script("""obliq.watch.poll = async () => {};
             const [pane] = obliq.panes;
             Object.assign(pane.info, { pose_stale: true });
             pane.status = { ...pane.status, coverage: 0 };

@@ -2,6 +2,7 @@
 import base64
 import os
 import pathlib
+import time
 import unittest
 from urllib.parse import urlsplit
 
@@ -47,6 +48,18 @@ class People(unittest.TestCase):
         self.page.open(self.daemon.url, fragment)
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
 
+    def panel(self):
+        """By how many pixels the open panel scrolls to the right and down, and its name: as it is two seconds after its fields are
+        there, or as soon as it does not scroll."""
+        self.page.await_script("obliq.controls.table.length && obliq.panes[0].info", "the parameters")
+        end = time.monotonic() + 2
+        while True:
+            over = self.page.script("""const s = document.querySelector('aside > section:not([hidden])');
+                return [[s.scrollWidth - s.clientWidth, s.scrollHeight - s.clientHeight], s.id];""")
+            if over[0] == [0, 0] or time.monotonic() > end:
+                return over
+            time.sleep(0.05)
+
     def test_sizes_without_scroll_bars(self):
         for size, (width, height, _) in SIZES.items():
             for panes in (1, 2):
@@ -58,9 +71,7 @@ class People(unittest.TestCase):
                             return [s.scrollWidth - s.clientWidth, s.scrollHeight - s.clientHeight];""")
                         self.assertEqual(over, [0, 0])
                         if panes == 1:
-                            # Its fields find their columns while the page loads, within half a second.
-                            self.page.await_script("""(() => { const s = document.querySelector('aside > section:not([hidden])');
-                                return s.scrollWidth === s.clientWidth && s.scrollHeight === s.clientHeight; })()""", "a panel that does not scroll")
+                            self.assertEqual(self.panel(), [[0, 0], tab], "how much the panel scrolls to the right and down")
                         pictures = self.page.script("""return obliq.panes.map(({ ppi, bins: { placement } }) => {
                               const edge = [0, 0.5, 1].map((k) => placement.start_deg + k * placement.azimuths * placement.width_deg);
                               const places = [[0, 0], ...edge.map((bearing) => ppi.placed(bearing, placement.rMax_m))].map((p) => ppi.toScreen(...p));
@@ -82,8 +93,8 @@ class People(unittest.TestCase):
                                    ("a", "obliq.panes[0].levels.auto", "!obliq.panes[0].levels.auto"), ("+", f"!{look}.window", f"{look}.window.zoom > 1"),
                                    ("0", f"{look}.window", f"!{look}.window"), ("f", f"!{look}.hold", f"{look}.hold"),
                                    ("p", "obliq.panes.length === 1", "obliq.panes.length === 2"),
-                                   ("d", "obliq.tab === 'view'", "obliq.tab === 'radar'"),
-                                   ("k", "!obliq.controls.isMine", "obliq.controls.isMine")):
+                                   ("d", "obliq.tabs.current === 'view'", "obliq.tabs.current === 'radar'"),
+                                   ("k", "!obliq.control.isMine", "obliq.control.isMine")):
             with self.subTest(key=key):
                 self.assertTrue(self.page.script(f"return Boolean({before})"), before)
                 self.press(key)
@@ -94,7 +105,7 @@ class People(unittest.TestCase):
         self.press("ArrowLeft")
         self.page.await_script("obliq.panes[0].bins.placement.bearing_deg === 60", "an antenna turned back")
         self.press("k")
-        self.page.await_script("!obliq.controls.isMine", "control released")
+        self.page.await_script("!obliq.control.isMine", "control released")
         self.press("ArrowRight")
         self.page.await_script("obliq.look.cursor !== null", "a cursor")
         self.press("1")
@@ -147,14 +158,14 @@ class People(unittest.TestCase):
     def test_contrast(self):
         for tab in ("view", "radar", "setup", "targets"):
             self.show(f"a=main&tab={tab}&overlay=1")
-            self.page.await_script(f"obliq.tab === '{tab}'", "the tab")
+            self.page.await_script(f"obliq.tabs.current === '{tab}'", "the tab")
             self.assertEqual(self.page.script(CONTRAST), [], f"texts with less than 4.5:1 in {tab}")
 
     def test_the_console_is_silent_and_nothing_comes_from_elsewhere(self):
         """Of a server that is ready: one that is away or loads refuses requests, which the browser itself notes (connection_test)."""
         self.show("a=main&panes=2&b=frustum%20oblique&overlay=1")
         self.page.await_script("obliq.panes[1].bins.frames > 0", "a frame of another frustum")
-        self.page.script("obliq.zoom(3, 300, 300); obliq.save()")
+        self.page.script("obliq.pictures.zoom(3, 300, 300); obliq.save()")
         self.page.await_frame(3)
         requested = set(self.page.requested())
         self.assertGreater(len(requested), 15)
@@ -204,7 +215,7 @@ class People(unittest.TestCase):
         self.page.await_script("obliq.panes[1].bins.frames > 0", "a frame of another frustum")
         self.page.script("window.then = performance.now()")
         self.page.await_script("performance.now() - then > 2500", "more than twice the afterglow")
-        self.page.script("obliq.change({ palette: 'grey' })")
+        self.page.script("obliq.look.change({ palette: 'grey' })")
         self.page.await_script("!obliq.panes[1].ppi.needs.all", "a picture")
         oldest = "return Math.max(...obliq.panes[arguments[0]].ppi.ages)"
         self.assertEqual(self.page.script(oldest, 1), 0, "whole frames have no beam")
@@ -215,9 +226,9 @@ class People(unittest.TestCase):
 
     def test_zooms_and_pans_between_two_pictures_add_up(self):
         self.show()
-        pixel_m, zoom, right_m = self.page.script("""obliq.zoom(2);
+        pixel_m, zoom, right_m = self.page.script("""obliq.pictures.zoom(2);
             const ppi = obliq.panes[0].ppi, { right_m } = obliq.look.window;
-            obliq.zoom(2);
+            obliq.pictures.zoom(2);
             ppi.pan(100, 0);
             ppi.pan(100, 0);
             const pixel_m = ppi.view.pixel_m * (ppi.view.width / ppi.width) / 4;
@@ -246,7 +257,7 @@ class People(unittest.TestCase):
             touch("touchMove", (x + 10 * k, y))
         touch("touchEnd")
         self.page.await_script(f"obliq.look.window.right_m < {before} - 1", "a drag that pans")
-        self.page.script("obliq.clearMarks()")
+        self.page.script("obliq.markers.clear()")
         touch("touchStart", (x, y))
         self.page.await_script("obliq.look.cursor !== null", "a long press that sets the cursor")
         touch("touchEnd")

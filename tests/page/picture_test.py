@@ -97,18 +97,18 @@ class Picture(unittest.TestCase):
         self.check("round", "up=bearing")
 
     def test_zoomed(self):
-        self.check("main", "up=north", "obliq.zoom(6, 700, 250)")
+        self.check("main", "up=north", "obliq.pictures.zoom(6, 700, 250)")
 
     def test_zoomed_out_and_slant_range(self):
-        self.check("round", "slant=1", "obliq.zoom(0.6, 300, 250)")
+        self.check("round", "slant=1", "obliq.pictures.zoom(0.6, 300, 250)")
 
     def test_values_are_grey_as_the_ground_map_is(self):
         """In the grey palette, after range compensation, beside ground_map.png's own greys."""
         self.page.open(self.daemon.url, "a=main&up=north&palette=grey&auto=0&low=-60&span=40")
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
         _, frame = self.video("main")
-        low = self.page.script("return obliq.panes[0].bins.bestScale(obliq.panes[0].ppi.table).low_dB")
-        self.page.script(f"obliq.level({low}, 45)")
+        low = self.page.script("return import('./levels.js').then(({ bestScale }) => bestScale(obliq.panes[0].bins, obliq.panes[0].ppi.table).low_dB)")
+        self.page.script(f"obliq.pictures.active.setLevels({low}, 45)")
         self.page.await_frame(2)
         self.daemon.run("get", "--server", self.daemon.address, "--radar", "main", "--north-up", "--db-range",
                         f"{low}:{low + 45}", "--out", self.daemon.folder / "map")

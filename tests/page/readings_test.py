@@ -76,7 +76,7 @@ class Readings(unittest.TestCase):
             self.show(f"a=main&unit={unit}")
             step, worst = self.page.script("""
                 const { ppi } = obliq.panes[0], { grid, density, bins: { placement } } = ppi;
-                obliq.clearMarks();
+                obliq.markers.clear();
                 const bearing = placement.bearing_deg + 7;  // beside the lines of bearings
                 const { data, width } = grid.getImageData(0, 0, grid.canvas.width, grid.canvas.height);
                 const found = [];
@@ -110,7 +110,7 @@ class Readings(unittest.TestCase):
     def test_a_frustum_that_is_refused_is_said_and_another_is_shown(self):
         self.show("a=round&panes=2&b=frustum%20symmetric")
         self.page.await_words("No picture through the symmetric frustum")
-        self.page.script("obliq.choose(obliq.panes[1], 'frustum oblique')")
+        self.page.script("obliq.pictures.choose(obliq.panes[1], 'frustum oblique')")
         self.page.await_script("obliq.panes[1].bins.frames > 0 && (obliq.panes[1].bins.descriptor.settings.frustum ?? 'OBLIQUE') === 'OBLIQUE'",
                                "a frame through the oblique frustum")
 
@@ -131,7 +131,7 @@ class Readings(unittest.TestCase):
         self.page.script("document.getElementById('scale-10').click()")  # a scale of nautical miles
         self.page.await_script("Math.abs(obliq.panes[0].bins.placement.rMax_m - 18520) < 1e-6", "10 NM")
         self.page.script(f"const f = {field}; f.value = '60'; f.dispatchEvent(new Event('change'))")
-        self.page.script("obliq.set('RadarSettings.r_max_m', 15000)")
+        self.page.script("obliq.control.set('RadarSettings.r_max_m', 15000)")
         self.page.await_script("obliq.panes[0].bins.placement.rMax_m === 15000", "15 km")
         self.page.script("document.getElementById('claim').click()")
         self.page.await_script("document.querySelector('#radar [data-key]').hidden", "no form")

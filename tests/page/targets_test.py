@@ -32,8 +32,8 @@ PLACE = {"latitude_deg": 33.04, "longitude_deg": -99.42, "height_m": 400.0}
 # All messages of the stream are counted by their type.
 COUNTED = """
 window.counts = {};
-const { heard } = obliq.link, { message } = heard;
-heard.message = (one) => { counts[one.type] = (counts[one.type] ?? 0) + 1; message(one); };
+const emit = obliq.link.emit.bind(obliq.link);
+obliq.link.emit = (type, message) => { counts[type] = (counts[type] ?? 0) + 1; emit(type, message); };
 window.asks = [];
 const ask = obliq.link.ask.bind(obliq.link);
 obliq.link.ask = (type, body) => { asks.push([type, body]); return ask(type, body); };
@@ -95,7 +95,7 @@ class Targets(unittest.TestCase):
             return record && ppi.screenOf(record.bearing_deg, record.range_m); }})()""", f"the mark of {name}")
 
     def set_targets(self):
-        self.page.script("obliq.controls.tab('targets')")
+        self.page.script("obliq.tabs.show('targets')")
         self.page.await_script("!document.getElementById('targets-set').disabled", "a claim to take")
         self.page.script("document.getElementById('targets-set').click()")
         self.page.await_script("obliq.targets.holds", "the claim")
@@ -150,7 +150,7 @@ class Targets(unittest.TestCase):
                 self.assertEqual(self.page.script("return asks.some(([type, body]) => type === 'GetTargets' || body?.truth)"), may)
                 self.assertEqual(self.page.script("return obliq.panes[0].ppi.truth !== null"), may)
                 self.assertEqual(self.page.script("return [...document.querySelectorAll('#key-table td')].some((cell) => cell.textContent === 'Delete')"), may)
-                self.assertEqual(self.page.script("return obliq.tab"), "targets" if may else "view")
+                self.assertEqual(self.page.script("return obliq.tabs.current"), "targets" if may else "view")
                 self.page.script("const s = document.getElementById('trails'); s.value = '3'; s.onchange()")
                 self.page.await_script("document.querySelectorAll('.trails').length === 1", "trails, for everyone")
 
@@ -205,7 +205,7 @@ class Targets(unittest.TestCase):
 
     def test_a_mark_follows_zoom_and_slant_ranges(self):
         self.check_mark("up=north", "const { ppi } = obliq.panes[0], { bearing_deg, range_m } = ppi.truth.records.get('1');"
-                        "obliq.zoom(4, ...ppi.screenOf(bearing_deg, range_m));")
+                        "obliq.pictures.zoom(4, ...ppi.screenOf(bearing_deg, range_m));")
         self.check_mark("up=north&slant=1")
 
     def test_a_mark_follows_range_scale_and_b_scope(self):
@@ -330,7 +330,7 @@ class Targets(unittest.TestCase):
         other = asked.Asked(self.daemon.url)
         self.addCleanup(other.close)
         self.assertEqual(other.ask(asked.CLAIM_CONTROL, kinds=["TARGETS_CLAIM"])[0], "Ack")
-        self.page.script("obliq.controls.tab('targets')")
+        self.page.script("obliq.tabs.show('targets')")
         self.page.await_script("document.getElementById('targets-set').textContent === 'Take over'", "who has the claim")
         self.page.script("document.getElementById('targets-set').click()")
         self.page.await_script("obliq.targets.holds", "the claim, taken over by an admin")

@@ -116,14 +116,14 @@ class Trails(unittest.TestCase):
 
     def fly(self):
         """A kilometre to the north in steps; how many cells have a trail then."""
-        self.page.driver.execute_async_script("""const done = arguments[0];
+        refused = self.page.driver.execute_async_script("""const done = arguments[0];
             (async () => {
               for (let k = 1; k <= 20; ++k) {
-                await obliq.controls.pose({ latitude_deg: 33 + k * 0.00045 });
+                await obliq.control.pose({ latitude_deg: 33 + k * 0.00045 });
                 await new Promise((go) => setTimeout(go, 350));
               }
-              done();
-            })();""")
+            })().then(() => done(""), (error) => done(error.message));""")
+        self.assertEqual(refused, "")
         self.page.await_frame(8)
         return len(self.page.script(CELLS))
 
@@ -144,7 +144,7 @@ class Trails(unittest.TestCase):
     def test_trails_follow_zoom_and_b_scope_and_survive_a_range_scale(self):
         self.show(MOVES, "glow=0&trails=6")
         self.page.await_script("performance.now() > 9000", "a trail", 30)
-        for change in ("obliq.zoom(3, 500, 200)", "obliq.zoom(0)", "obliq.display.set({ up: 'bearing' })", "obliq.display.set({ bscope: true })",
+        for change in ("obliq.pictures.zoom(3, 500, 200)", "obliq.pictures.zoom(0)", "obliq.display.set({ up: 'bearing' })", "obliq.display.set({ bscope: true })",
                        "obliq.display.set({ bscope: false })"):
             with self.subTest(change=change):
                 self.page.script(change)

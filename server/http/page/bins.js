@@ -1,11 +1,24 @@
 // The bins of one radar as they arrive: values as sent, the levels that are shown, when each azimuth was seen.
 
+import { dwellRows } from "./dwell_rows.js";
 import { Placement } from "./placement.js";
 import { fieldOf, isDefault } from "./form.js";
 import { number } from "./messages.js";
 
 const MOST_HELD_MS = 74; // a scanning beam's azimuths wait at most this long for their turn
-const MS = 1e-6; // of a nanosecond
+
+/** @typedef {import("./dwell_rows.js").Times} Times @typedef {import("./dwell_rows.js").HeldRow} HeldRow */
+
+/**
+ * A frame that is shown when it is whole.
+ * @typedef {{d: FrameDescriptor, placement: Placement, video: Uint8Array, state: Uint8Array, hasState: Uint8Array, times: Times|null}} Next
+ */
+
+/**
+ * @typedef {{now_ms: number, utc_ms: number, age_ms: (clock_ns: string|undefined) => number}} Clock utc_ms: of what is seen; age_ms:
+ *   since a reading of the server's clock
+ */
+/** @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor @typedef {import("../wire.js").WedgeBlock} WedgeBlock */
 
 /**
  * How the bytes of plane VIDEO become levels 1 to 255. Level 0: no echo at all.
@@ -20,11 +33,11 @@ export class Bins {
   static notIdeal = null;
 
   constructor() {
-    /** @type {any} the newest FrameDescriptor */
+    /** The newest. @type {FrameDescriptor|null} */
     this.descriptor = null;
     /** @type {Placement|null} */
     this.placement = null;
-    /** @type {any} ScanPass; null: whole frames */
+    /** Null: whole frames. @type {import("../wire.js").ScanPass|null} */
     this.scan = null;
     this.video = new Uint8Array(0); // [azimuth, range], as sent
     this.state = new Uint8Array(0);
@@ -37,21 +50,36 @@ export class Bins {
     this.frames = 0; // whole ones
     this.skipped = 0;
     this.missed = 0; // dwells
+    /** @type {import("../wire.js").FrameSummary|null} */
     this.summary = null;
-    /** Rows of a scanning beam that wait for their moment, in its order. */
+    this.render_ms = 0;
+    /** Rows of a scanning beam that wait for their moment, in its order. @type {HeldRow[]} */
     this.held = [];
     this.delay_ms = 40;
     this.hasStates = false;
-    this.newest = null; // times of the newest row that was shown
-    this.passed = []; // since the last look: how long ago the beam stood in each row that was shown, ms
+    /** Of the newest row that was shown. @type {Times|null} */
+    this.newest = null;
+    /** Beam ages of rows shown since the last draw, ms. @type {number[]} */
+    this.passed = [];
     this.scanRow = -1;
-    this.last = null; // of a scanning beam: the row shown before, and its bin
+    /** Of a scanning beam: the row shown before, and its bin. @type {{row: number, bin: number}|null} */
+    this.last = null;
+    /** Rows that show what the key does. @type {Record<number, number[]>} */
     this.gap = {};
+    /** @type {Next|null} */
+    this.next = null;
+    /** Planes of the frame before, to be filled again. @type {[Uint8Array, Uint8Array]} */
+    this.spare = [new Uint8Array(0), new Uint8Array(0)];
+    this.offsetsKey = "";
+    this.offset = new Float64Array(0); // [range] of levels
     this.isRecorded = false;
     this.swept_ms = 0; // of a recording: for how long the beam has swept so far
   }
 
-  /** What ages are counted by: of a recording the beam's own way, which pauses, speeds and seeks leave as it is. */
+  /**
+   * What ages are counted by: of a recording the beam's own way, which pauses, speeds and seeks leave as it is.
+   * @param {number} now_ms
+   */
   ageClock_ms(now_ms) {
     return this.isRecorded ? this.swept_ms : now_ms;
   }
@@ -65,26 +93,26 @@ export class Bins {
   /** An ideal map, as in ground_map.png: no receiver has added to its echoes or changed their law in range. */
   get isIdeal() {
     const s = this.descriptor?.settings;
-    return Boolean(s && Bins.notIdeal?.every((parameter) => isDefault(parameter, s[fieldOf(parameter)])));
+    return Boolean(s && Bins.notIdeal?.every((parameter) => isDefault(parameter, /** @type {import("./form.js").Message} */ (s)[fieldOf(parameter)])));
   }
   get mayCompensate() {
     return this.isIdeal && !this.descriptor.settings.range_normalisation;
   }
 
-  /** Value in dB re the descriptor's power_unit, as sent; null: no echo. */
+  /** Value in dB re the descriptor's power_unit, as sent; null: no echo. @param {number} bin */
   value_dB(bin) {
     const value = this.video[bin];
     return value === 0 ? null : this.floor_dB + (value - 1) * this.step_dB;
   }
 
-  /** Added to a level for display, in dB: r^2 of amplitudes, as in ground_map.png. */
+  /** Added to a level for display, in dB: r^2 of amplitudes, as in ground_map.png. @param {number} column */
   compensation_dB(column) {
     if (!this.scale.compensated || !this.mayCompensate) return 0;
     return 40 * Math.log10(this.placement.r0_m + (column + 0.5) * this.placement.spacing_m);
   }
 
   /**
-   * @param {any} body of FrameBegin
+   * @param {import("../wire.js").FrameBegin} body
    * @returns {boolean} whether bins now lie elsewhere
    */
   begin(body) {
@@ -99,7 +127,9 @@ export class Bins {
     if (sameShape && !scan && placement.key !== this.placement.key) {
       // Shown when it is whole: half of it would lie where the antenna no longer is.
       const size = placement.azimuths * placement.ranges;
-      this.next = { d, placement, video: this.spareVideo(size), state: this.spareState(size), hasState: this.hasState.slice(), count: 0 };
+      if (this.spare[0].length !== size) this.spare = [new Uint8Array(size), new Uint8Array(size)];
+      const [video, state] = this.spare;
+      this.next = { d, placement, video, state, hasState: this.hasState.slice(), times: null };
       return false;
     }
     const moved = this.placement?.key !== placement.key;
@@ -111,20 +141,12 @@ export class Bins {
     return moved;
   }
 
-  spareVideo(size) {
-    if (this.spare?.length !== size) this.spare = new Uint8Array(size);
-    return this.spare;
-  }
-  spareState(size) {
-    if (this.spareStates?.length !== size) this.spareStates = new Uint8Array(size);
-    return this.spareStates;
-  }
-
   /** What a level follows from beside its value. */
   #levelsOf() {
     return [this.floor_dB, this.step_dB, this.mayCompensate].join();
   }
 
+  /** @param {FrameDescriptor} d @param {Placement} placement @param {boolean} sameShape */
   #take(d, placement, sameShape) {
     this.descriptor = d;
     this.placement = placement;
@@ -141,7 +163,7 @@ export class Bins {
     this.last = null;
   }
 
-  /** A sector that has turned keeps what it knows at its bearing. */
+  /** A sector that has turned keeps what it knows at its bearing. @param {Placement} placement */
   #turn(placement) {
     const by = Math.round((placement.start_deg - this.placement.start_deg) / placement.width_deg);
     if (by === 0) return;
@@ -152,7 +174,7 @@ export class Bins {
     for (let row = 0; row < azimuths; ++row) {
       const from = isRound ? (((row + by) % azimuths) + azimuths) % azimuths : row + by;
       const known = from >= 0 && from < azimuths;
-      for (const plane of ["video", "state", "shown"]) {
+      for (const plane of /** @type {const} */ (["video", "state", "shown"])) {
         const target = this[plane].subarray(row * ranges, (row + 1) * ranges);
         if (known) target.set(old[plane].subarray(from * ranges, (from + 1) * ranges));
         else target.fill(0);
@@ -163,12 +185,7 @@ export class Bins {
     this.changed.fill(1);
   }
 
-  /**
-   * @param {any} body of WedgeBlock
-   * @param {Uint8Array} plane
-   * @param {{now_ms: number, utc_ms: number, age_ms: (clock_ns: any) => number}} clock utc_ms: of what is seen;
-   *   age_ms: since a reading of the server's clock
-   */
+  /** @param {WedgeBlock} body @param {Uint8Array} plane @param {Clock} clock */
   block(body, plane, clock) {
     const { placement } = this.next ?? this;
     if (!placement || (body.plane !== "VIDEO" && body.plane !== "STATE")) return;
@@ -188,12 +205,13 @@ export class Bins {
     } else if (body.plane === "STATE" && !(this.scan && body.beam_ns !== undefined)) {
       this.#showStates(first, plane, rows);
     } else if (this.scan && body.beam_ns !== undefined) {
-      this.#hold(body, plane, first, rows, times);
+      this.#hold(body, plane, times);
     } else {
       this.#show(first, plane, rows, times);
     }
   }
 
+  /** @param {Bins|Next} target @param {WedgeBlock} body @param {Uint8Array} plane */
   #copyPart(target, body, plane) {
     const ranges = target.placement.ranges;
     const values = body.plane === "VIDEO" ? target.video : target.state;
@@ -204,34 +222,22 @@ export class Bins {
     if (target === this) this.#levels(first, number(body.n_azimuth));
   }
 
-  /** A dwell's azimuths are shown one by one as the beam passed them, a little later. */
-  #hold(body, plane, first, rows, times) {
-    const { width_deg, ranges, azimuths, isRound, bearing_deg } = this.placement;
-    const turn = Math.round((number(body.pose?.bearing_deg, bearing_deg) - bearing_deg) / width_deg);
-    const dwell = number(this.scan.dwell_bins, rows);
-    const dwellFirst = Math.floor(first / dwell) * dwell;
-    const middle = dwellFirst + Math.min(dwell, azimuths - dwellFirst) / 2;
-    const row_ms = (1000 * width_deg) / number(this.scan.rate_deg_s, 1) * (this.scan.clockwise ? 1 : -1);
-    for (let k = 0; k < rows; ++k) {
-      const row = this.scan.clockwise ? k : rows - 1 - k;
-      let to = first + row + turn;
-      if (isRound) to = ((to % azimuths) + azimuths) % azimuths;
-      if (to < 0 || to >= azimuths) continue;
-      const beam_ms = times.at_ms - times.beam_ms + (first + row + 0.5 - middle) * row_ms;
-      const values = plane.subarray(row * ranges, (row + 1) * ranges);
-      if (body.plane === "STATE") {
-        this.held.push({ row: to, states: values, beam_ms });
-        continue;
-      }
-      const late_ms = times.at_ms - beam_ms;
+  /**
+   * A dwell's azimuths are shown one by one as the beam passed them, a little later.
+   * @param {WedgeBlock} body
+   * @param {Uint8Array} plane
+   * @param {Times} times
+   */
+  #hold(body, plane, times) {
+    for (const row of dwellRows(this.scan, this.placement, body, plane, times)) {
+      this.held.push(row);
       // As late as the latest azimuth of late, so that the beam moves evenly.
-      this.delay_ms = Math.min(Math.max(this.delay_ms - 0.02, late_ms), MOST_HELD_MS);
-      this.held.push({ row: to, bin: first + row, values, beam_ms, row_ms, times });
+      if (row.values) this.delay_ms = Math.min(Math.max(this.delay_ms - 0.02, times.at_ms - row.beam_ms), MOST_HELD_MS);
     }
     if (body.plane === "STATE") this.held.sort((a, b) => a.beam_ms - b.beam_ms); // a row's states after its values
   }
 
-  /** Shows what is due. */
+  /** Shows what is due. @param {number} now_ms */
   advance(now_ms) {
     let due = 0;
     while (due < this.held.length && this.held[due].beam_ms + this.delay_ms <= now_ms) {
@@ -258,15 +264,17 @@ export class Bins {
   /**
    * Where the antenna itself turns with the scan, the dwells that it renders lie apart. A beam leaves no gaps: azimuths that lie between two
    * that followed each other show the nearer one.
+   * @param {number} row
+   * @param {number} bin
    */
   #closeGap(row, bin) {
     const { azimuths, ranges, isRound } = this.placement;
     const { last } = this;
     this.last = { row, bin };
-    this.gap = { [row]: [] }; // rows that show what the key does
+    this.gap = { [row]: [] };
     if (!last) return;
     const step = this.scan.clockwise ? 1 : -1;
-    const around = (n) => (isRound ? ((n % azimuths) + azimuths) % azimuths : n);
+    const around = (/** @type {number} */ n) => (isRound ? ((n % azimuths) + azimuths) % azimuths : n);
     if (around(last.bin + step) !== bin) return; // another pass, or what lies between was not looked at
     const gap = isRound ? around(step * (row - last.row)) : step * (row - last.row);
     if (gap < 2 || gap > azimuths / 2) return; // the next, or against the scan
@@ -281,12 +289,14 @@ export class Bins {
     }
   }
 
+  /** @param {number} first @param {Uint8Array} states @param {number} rows */
   #showStates(first, states, rows) {
     this.state.set(states, first * this.placement.ranges);
     this.hasState.fill(1, first, first + rows);
     this.changed.fill(1, first, first + rows);
   }
 
+  /** @param {number} first @param {Uint8Array} values @param {number} rows @param {Times} times */
   #show(first, values, rows, times) {
     this.video.set(values, first * this.placement.ranges);
     this.newest = times;
@@ -294,6 +304,7 @@ export class Bins {
     this.seen_ms.fill(times.at_ms, first, first + rows);
   }
 
+  /** @param {number} first @param {number} rows */
   #levels(first, rows) {
     const { ranges } = this.placement;
     const { low_dB, span_dB } = this.scale;
@@ -313,6 +324,7 @@ export class Bins {
     this.changed.fill(1, first, first + rows);
   }
 
+  /** @param {number} base @param {number} perdB */
   #offsets(base, perdB) {
     const { ranges } = this.placement;
     const key = `${base} ${perdB} ${this.scale.compensated && this.mayCompensate} ${this.placement.r0_m} ${ranges}`;
@@ -328,7 +340,7 @@ export class Bins {
     if (this.placement) this.#levels(0, this.placement.azimuths);
   }
 
-  /** @param {any} body of FrameEnd @returns {boolean} whether bins now lie elsewhere */
+  /** @param {import("../wire.js").FrameEnd} body @returns {boolean} whether bins now lie elsewhere */
   end(body) {
     this.summary = body.summary ?? null;
     this.render_ms = 1000 * number(body.render_s);
@@ -337,9 +349,9 @@ export class Bins {
     if (!this.next) return false;
     const { d, placement, video, state, hasState, times } = this.next;
     const levels = this.#levelsOf();
-    [this.spare, this.spareStates] = [this.video, this.state];
+    this.spare = [this.video, this.state];
     this.#take(d, placement, true);
-    [this.video, this.state, this.hasState] = [video, state, hasState];
+    Object.assign(this, { video, state, hasState });
     this.scan = null;
     this.next = null;
     if (levels !== this.#levelsOf() || times) this.#levels(0, placement.azimuths);
@@ -348,7 +360,7 @@ export class Bins {
     return true;
   }
 
-  /** Missed dwells stay dark. */
+  /** Missed dwells stay dark. @param {number} first @param {number} rows */
   #miss(first, rows) {
     this.missed += rows;
     const { ranges } = this.placement;
@@ -377,29 +389,5 @@ export class Bins {
     this.next = null;
     this.held = [];
     this.last = null;
-  }
-
-  /** Low and high end in dB of what `bins` show, 5th to 99.7th percentile, at least 10 dB, as in ground_map.png. */
-  bestScale(table) {
-    const counts = new Float64Array(1024);
-    const every = 7;
-    const low = this.floor_dB + (this.mayCompensate && this.scale.compensated ? 40 * Math.log10(Math.max(1, this.placement.r0_m)) : 0);
-    let total = 0;
-    for (let k = 0; k < table.size; k += every) {
-      const bin = table.bins[k];
-      const value = this.value_dB(bin);
-      if (value === null) continue;
-      const level = value + this.compensation_dB(bin % this.placement.ranges);
-      ++counts[Math.max(0, Math.min(1023, Math.round((level - low) * 4)))];
-      ++total;
-    }
-    if (total < 50) return null;
-    const at = (part) => {
-      let sum = 0;
-      const k = counts.findIndex((count) => (sum += count) >= part * total);
-      return low + k / 4;
-    };
-    const black = Math.floor(at(0.05));
-    return { low_dB: black, span_dB: Math.max(10, Math.ceil(at(0.997)) - black) };
   }
 }

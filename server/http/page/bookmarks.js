@@ -1,18 +1,27 @@
 // Bookmarks of the exercise: a list that all stations see; in a recording each takes all of them to its place.
 
+import { $, buttonOf, inputOf, make } from "./dom.js";
+import { Events } from "./events.js";
 import { number } from "./messages.js";
-import { refusalText } from "./form.js";
+import { refusalText } from "./stream.js";
 
 const MOST_SHOWN = 50; // the newest
 
-const $ = (id) => document.getElementById(id);
+/** @typedef {import("../wire.js").ExerciseEvent} ExerciseEvent */
 
-export class Bookmarks {
-  /** @param {import("./main.js").App} app */
-  constructor(app) {
-    this.app = app;
-    this.list = []; // ExerciseEvent
+/** Somebody has set one. @extends {Events<{news: string}>} */
+export class Bookmarks extends Events {
+  /** @param {import("./stream.js").Link} link @param {import("./debrief.js").Debrief} debrief */
+  constructor(link, debrief) {
+    super();
+    this.link = link;
+    this.debrief = debrief;
+    /** @type {ExerciseEvent[]} */
+    this.list = [];
     this.refusal = "";
+    this.isKnown = false; // by the server
+    link.on("ExerciseEvents", ({ body }) => this.#take(body));
+    debrief.on("begun", () => this.show());
     $("mark").onclick = () => this.add();
     $("mark-text").onkeydown = ({ key }) => {
       if (key === "Enter") this.add();
@@ -20,14 +29,14 @@ export class Bookmarks {
     this.show();
   }
 
-  /** Behind a Welcome: what there is, and from then on what comes. */
+  /** Behind a Welcome: what there is, and from then on what comes. @param {import("../wire.js").Welcome} welcome */
   async begin(welcome) {
     this.list = [];
     this.isKnown = number(welcome.minor) >= 2;
     this.show();
     if (!this.isKnown) return;
-    for (let after = 0, more = true; more; ) {
-      const page = await this.app.link.ask("GetEvents", { after: String(after), follow: true }).catch(() => ({}));
+    for (let after = "0", more = true; more; ) {
+      const page = await this.link.ask("GetEvents", { after, follow: true }).catch(() => (/** @type {import("../wire.js").ExerciseEvents} */ ({})));
       this.#keep(page.events ?? []);
       after = page.events?.at(-1)?.number ?? after;
       more = Boolean(page.more);
@@ -35,13 +44,14 @@ export class Bookmarks {
     this.show();
   }
 
-  /** @param {import("./messages.js").Message} message ExerciseEvents that answer nothing */
-  take({ body }) {
+  /** @param {import("../wire.js").ExerciseEvents} body that answers nothing */
+  #take(body) {
     const fresh = this.#keep(body.events ?? []);
-    for (const { by, text } of fresh) this.app.tellNews(`Bookmark by ${by}: ${text}`);
+    for (const { by, text } of fresh) this.emit("news", `Bookmark by ${by}: ${text}`);
     if (fresh.length) this.show();
   }
 
+  /** @param {ExerciseEvent[]} events */
   #keep(events) {
     const marks = events.filter(({ kind }) => kind === "BOOKMARK_EVENT");
     this.list.push(...marks);
@@ -49,15 +59,17 @@ export class Bookmarks {
   }
 
   async add() {
-    const text = $("mark-text").value.trim();
-    if (text) await this.#ask("AddBookmark", { text });
-    if (text && !this.refusal) $("mark-text").value = "";
+    const field = inputOf("mark-text");
+    const text = field.value.trim();
+    if (text) await this.#ask(() => this.link.ask("AddBookmark", { text }));
+    if (text && !this.refusal) field.value = "";
   }
 
-  async #ask(type, body) {
+  /** @param {() => Promise<unknown>} what */
+  async #ask(what) {
     this.refusal = "";
     try {
-      await this.app.link.ask(type, body);
+      await what();
     } catch (error) {
       this.refusal = refusalText(error);
     }
@@ -65,20 +77,17 @@ export class Bookmarks {
   }
 
   show() {
-    const { link, debrief } = this.app;
-    const isViewer = link?.welcome?.role === "viewer";
-    for (const id of ["mark", "mark-text"]) $(id).disabled = !this.isKnown || isViewer;
+    const isViewer = this.link.welcome?.role === "viewer";
+    for (const id of ["mark", "mark-text"]) buttonOf(id).disabled = !this.isKnown || isViewer;
     $("mark").title = isViewer ? "Marking needs a token of the role controller" : "Mark this moment, for all stations (Enter)";
     $("mark-refusal").textContent = this.refusal;
-    const replays = Boolean(debrief?.state);
+    const replays = this.debrief.isOn;
     $("marks").replaceChildren(...this.list.slice(-MOST_SHOWN).reverse().map((event) => {
-      const item = document.createElement("button");
       const utc = new Date(Number(BigInt(event.utc_ns ?? 0) / 1000000n)).toISOString();
-      item.textContent = `${utc.slice(11, 19)}Z ${event.text}`;
-      item.title = `${event.text}\n${utc}, by ${event.by}${replays ? "; all stations go there" : ""}`;
-      item.disabled = !replays || isViewer;
-      item.onclick = () => this.#ask("SetReplay", { seek_bookmark: event.number });
-      return item;
+      return make("button", {
+        textContent: `${utc.slice(11, 19)}Z ${event.text}`, title: `${event.text}\n${utc}, by ${event.by}${replays ? "; all stations go there" : ""}`,
+        disabled: !replays || isViewer, onclick: () => this.#ask(() => this.link.ask("SetReplay", { seek_bookmark: event.number })),
+      });
     }));
   }
 }

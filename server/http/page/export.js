@@ -7,13 +7,16 @@ import { number } from "./messages.js";
 const LINE_PX = 18;
 const FONT = '12px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 
-const timeText = ({ bins }) => `${new Date(bins.newest?.utc_ms ?? 0).toISOString().slice(0, 19)}Z`;
+/** @typedef {import("./pane.js").Pane} Pane */
+/** @typedef {{look: import("./look.js").Look, link: import("./stream.js").Link}} Parts */
 
-/** What a caption says of a pane. */
-export function captionOf(pane, app) {
+const timeText = (/** @type {Pane} */ { bins }) => `${new Date(bins.newest?.utc_ms ?? 0).toISOString().slice(0, 19)}Z`;
+
+/** What a caption says of a picture. @param {Pane} pane @param {Parts} parts */
+export function captionOf(pane, { look, link }) {
   const { descriptor: d, placement, scale } = pane.bins;
-  const { look, link } = app;
   const pose = d.pose ?? {};
+  /** @param {number} value @param {string} positive @param {string} negative */
   const signed = (value, positive, negative) => `${Math.abs(value).toFixed(5)}° ${value < 0 ? negative : positive}`;
   const compensated = scale.compensated && pane.bins.mayCompensate ? " with r²" : "";
   return [
@@ -27,9 +30,9 @@ export function captionOf(pane, app) {
   ];
 }
 
-/** @param {import("./main.js").App} app @returns {HTMLCanvasElement} all panes side by side */
-export function pictureOf(app) {
-  const panes = app.panes.filter(({ bins }) => bins.descriptor);
+/** @param {Parts & {panes: Pane[]}} parts @returns {HTMLCanvasElement} all pictures side by side */
+export function pictureOf({ look, link, panes: all }) {
+  const panes = all.filter(({ bins }) => bins.descriptor);
   const width = panes.reduce((sum, { ppi }) => sum + ppi.canvases[1].width, 0);
   const height = Math.max(...panes.map(({ ppi }) => ppi.canvases[1].height));
   const canvas = document.createElement("canvas");
@@ -51,21 +54,21 @@ export function pictureOf(app) {
     c.scale(density, density);
     c.font = FONT;
     c.fillStyle = "#c9d8d4";
-    captionOf(pane, app).forEach((line, k) => c.fillText(line, 10, (k + 1) * LINE_PX, grid.width / density - 20));
+    captionOf(pane, { look, link }).forEach((line, k) => c.fillText(line, 10, (k + 1) * LINE_PX, grid.width / density - 20));
     c.restore();
     left += grid.width;
   }
   return canvas;
 }
 
-/** @param {import("./main.js").App} app */
-export function savePicture(app) {
-  const shown = app.panes.find(({ bins }) => bins.descriptor);
+/** @param {Parts & {panes: Pane[]}} parts */
+export function savePicture(parts) {
+  const shown = parts.panes.find(({ bins }) => bins.descriptor);
   if (!shown) return;
-  pictureOf(app).toBlob((blob) => {
+  pictureOf(parts).toBlob((blob) => {
     const link = document.createElement("a");
     link.href = URL.createObjectURL(blob);
-    link.download = `obliq_${app.panes[0].radar}_${timeText(shown).replaceAll(":", "")}.png`;
+    link.download = `obliq_${parts.panes[0].radar}_${timeText(shown).replaceAll(":", "")}.png`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   }, "image/png");

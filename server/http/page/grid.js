@@ -4,6 +4,9 @@ import { colourOf } from "./palettes.js";
 import { onPlane } from "./table.js";
 import { DEGREE, turned } from "./placement.js";
 
+/** @typedef {import("./ppi.js").Ppi} Ppi @typedef {CanvasRenderingContext2D} Context */
+/** @typedef {"km"|"NM"} Unit of ranges */
+/** @type {Record<Unit, number>} */
 export const UNIT_M = { km: 1000, NM: 1852 };
 const LINE = "rgba(206, 240, 230, 0.62)";
 const SHADE = "rgba(7, 11, 14, 0.45)";
@@ -16,17 +19,21 @@ const FEWEST_RINGS = 4;
 const MOST_RINGS = 6;
 const RING_STEPS = [1, 2, 5, 2.5, 4, 3, 1.5, 8, 6]; // times a power of ten, the roundest first
 
-/** Where the drawing at hand has words, for what is written later. @type {import("./ppi.js").Box[]} */
+/** Where this drawing has words, for what is written later. @type {import("./ppi.js").Box[]} */
 let written = [];
 
+/** @param {number} left @param {number} right @param {number} top @param {number} bottom */
 function keepFree(left, right, top, bottom) {
   written.push({ left, right, top, bottom });
 }
 
-/** Words that can be read on any picture. */
+/** Part of a text's width that lies to the left of its place. @type {Partial<Record<CanvasTextAlign, number>>} */
+const LEFT_OF = { left: 0, center: 0.5, right: 1 };
+
+/** Words that can be read on any picture. @param {Context} c @param {string} text @param {number} x @param {number} y */
 function write(c, text, x, y) {
   const width = c.measureText(text).width;
-  const left = x - { left: 0, center: 0.5, right: 1 }[c.textAlign] * width;
+  const left = x - (LEFT_OF[c.textAlign] ?? 0) * width;
   keepFree(left, left + width, y - 7, y + 7);
   c.strokeStyle = HALO;
   c.lineWidth = 3;
@@ -36,21 +43,26 @@ function write(c, text, x, y) {
   c.fillText(text, x, y);
 }
 
-/** The step 1, 2 or 5 times a power of ten that gives at most so many. */
+/** The step 1, 2 or 5 times a power of ten that gives at most so many. @param {number} span @param {number} most */
 export function stepOf(span, most) {
   const power = 10 ** Math.floor(Math.log10(span / most));
   return power * [1, 2, 5, 10].find((k) => span / (power * k) <= most);
 }
 
-/** The roundest step that gives four to six rings from one range to another, with the first and last multiple of it. */
+/**
+ * The roundest step that gives four to six rings from one range to another, with the first and last multiple of it.
+ * @param {number} near
+ * @param {number} far
+ */
 export function ringSteps(near, far) {
   const power = 10 ** Math.floor(Math.log10((far - near) / (MOST_RINGS + 1)));
   const rings = RING_STEPS.flatMap((k) => [k * power, 10 * k * power]).map((step) => (
     { step, first: Math.max(1, Math.ceil(near / step - 1e-9)), last: Math.floor(far / step + 1e-9) }));
-  const count = ({ first, last }) => last - first + 1;
+  const count = (/** @type {{first: number, last: number}} */ { first, last }) => last - first + 1;
   return rings.find((one) => count(one) >= FEWEST_RINGS && count(one) <= MOST_RINGS) ?? rings[0];
 }
 
+/** @param {Ppi} ppi */
 function begin(ppi) {
   const { grid: c } = ppi;
   c.setTransform(ppi.density, 0, 0, ppi.density, 0, 0);
@@ -88,13 +100,19 @@ export function drawAxes(ppi) {
   legend(ppi, c);
 }
 
+/** @param {Context} c @param {import("./placement.js").Point[]} points */
 function stroked(c, points) {
   c.beginPath();
   for (const point of points) c.lineTo(...point);
-  for (const [colour, width] of [[SHADE, 3], [LINE, 1]]) {
-    [c.strokeStyle, c.lineWidth] = [colour, width];
-    c.stroke();
-  }
+  shaded(c, LINE);
+}
+
+/** Draws the path so that it is seen on bright ground, too. @param {Context} c @param {string} colour */
+function shaded(c, colour) {
+  [c.strokeStyle, c.lineWidth] = [SHADE, 3];
+  c.stroke();
+  [c.strokeStyle, c.lineWidth] = [colour, 1];
+  c.stroke();
 }
 
 /** @param {import("./ppi.js").Ppi} ppi */
@@ -114,6 +132,7 @@ export function drawGrid(ppi) {
   legend(ppi, c);
 }
 
+/** @param {Ppi} ppi @param {Context} c @param {number} bearing_deg @param {number} from_m @param {number} to_m */
 function line(ppi, c, bearing_deg, from_m, to_m) {
   c.beginPath();
   c.moveTo(...ppi.toScreen(...ppi.placed(bearing_deg, from_m)));
@@ -121,7 +140,15 @@ function line(ppi, c, bearing_deg, from_m, to_m) {
   c.stroke();
 }
 
-/** Distance on the plane of a slant range, by bearing: exact every RING_STEP_DEG, between them linear. */
+/** By part of the sector: a place on the plane. @typedef {(part: number) => import("./placement.js").Point} Ring */
+
+/**
+ * Distance on the plane of a slant range, by bearing: exact every RING_STEP_DEG, between them linear.
+ * @param {Ppi} ppi
+ * @param {number} slant_m
+ * @param {number} sector_deg
+ * @returns {Ring}
+ */
 function ringOf(ppi, slant_m, sector_deg) {
   const { start_deg } = ppi.bins.placement;
   const n = Math.max(1, Math.ceil(sector_deg / RING_STEP_DEG));
@@ -138,7 +165,7 @@ function ringOf(ppi, slant_m, sector_deg) {
   };
 }
 
-/** Of the ranges that the picture shows. */
+/** Of the ranges that the picture shows. @param {Ppi} ppi */
 function ringRange(ppi) {
   const { placement } = ppi.bins;
   const unit_m = UNIT_M[ppi.look.unit];
@@ -152,7 +179,7 @@ function ringRange(ppi) {
   return { unit_m, ...ringSteps(near / unit_m, far / unit_m) };
 }
 
-/** The picture's nearest place to an antenna that is off it. */
+/** The picture's nearest place to an antenna that is off it. @param {Ppi} ppi */
 function nearest(ppi) {
   const { view } = ppi;
   let least = Infinity;
@@ -162,12 +189,15 @@ function nearest(ppi) {
   return least;
 }
 
+/** @param {Ppi} ppi @param {Context} c @param {number} sector_deg */
 function rings(ppi, c, sector_deg) {
   const { placement } = ppi.bins;
   const { step, unit_m, first, last } = ringRange(ppi);
   ppi.ringStep = { step, first, last, unit: ppi.look.unit };
+  /** Slant range, whether it is a ring, its word. @type {[number, boolean, string][]} */
   const drawn = [];
-  const places = []; // of labels
+  /** Of labels. @type {{x: number, y: number, end: number}[]} */
+  const places = [];
   for (let n = last; n >= first; --n)
     drawn.push([n * step * unit_m, true, `${+(n * step).toPrecision(6)}${n === last ? ` ${ppi.look.unit}` : ""}`]);
   drawn.push([placement.rMax_m, false, ""]);
@@ -177,14 +207,18 @@ function rings(ppi, c, sector_deg) {
     const steps = Math.max(24, Math.ceil(sector_deg));
     c.beginPath();
     for (let k = 0; k <= steps; ++k) c.lineTo(...ppi.toScreen(...ring(k / steps)));
-    for (const [colour, width] of [[SHADE, 3], [isRing ? LINE : EDGE, 1]]) { // also on bright ground
-      [c.strokeStyle, c.lineWidth] = [colour, width];
-      c.stroke();
-    }
+    shaded(c, isRing ? LINE : EDGE);
     if (text) ringLabel(ppi, c, ring, text, places);
   }
 }
 
+/**
+ * @param {Ppi} ppi
+ * @param {Context} c
+ * @param {Ring} ring
+ * @param {string} text
+ * @param {{x: number, y: number, end: number}[]} places of labels
+ */
 function ringLabel(ppi, c, ring, text, places) {
   const { isRound } = ppi.bins.placement;
   const part = isRound ? turned(ppi.view.up_deg + 95 - ppi.bins.placement.start_deg) / 360 : 1;
@@ -203,7 +237,12 @@ function ringLabel(ppi, c, ring, text, places) {
   write(c, text, x, y);
 }
 
-/** Bearings around the sector, or at the picture's border where that is nearer. */
+/**
+ * Bearings around the sector, or at the picture's border where that is nearer.
+ * @param {Ppi} ppi
+ * @param {Context} c
+ * @param {number} sector_deg
+ */
 function bearings(ppi, c, sector_deg) {
   const { placement } = ppi.bins;
   const [ax, ay] = ppi.toScreen(0, 0);
@@ -232,7 +271,14 @@ function bearings(ppi, c, sector_deg) {
   c.textAlign = "left";
 }
 
-/** The end of a bearing's line on the picture, with the line's direction; null: it is not on it. */
+/**
+ * The end of a bearing's line on the picture, with the line's direction; null: it is not on it.
+ * @param {Ppi} ppi
+ * @param {number} ax
+ * @param {number} ay
+ * @param {number} bx
+ * @param {number} by
+ */
 function borderOf(ppi, ax, ay, bx, by) {
   const inset = 34;
   const length = Math.hypot(bx - ax, by - ay);
@@ -248,6 +294,7 @@ function borderOf(ppi, ax, ay, bx, by) {
   return most > 0 && inside ? { x, y, dx, dy } : null;
 }
 
+/** @param {Ppi} ppi @param {Context} c */
 function antenna(ppi, c) {
   const [x, y] = ppi.toScreen(0, 0);
   c.strokeStyle = TEXT;
@@ -260,7 +307,7 @@ function antenna(ppi, c) {
   c.stroke();
 }
 
-/** A bar with the levels in dB, in the lower corner that the sector leaves free. */
+/** A bar with the levels in dB, in the lower corner that the sector leaves free. @param {Ppi} ppi @param {Context} c */
 function legend(ppi, c) {
   const height = Math.min(132, ppi.height / 4);
   const width = 9;

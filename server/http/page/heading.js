@@ -3,10 +3,15 @@
 import { number } from "./messages.js";
 import { DEGREE, inverse, turned } from "./placement.js";
 
+/** @type {Up[]} */
 export const UPS = ["north", "bearing", "heading", "course"];
 export const UP_WORDS = { north: "N UP", bearing: "BRG UP", heading: "HDG UP", course: "CRS UP" };
 const LEAST_M = 5; // way that gives a course
 const OVER_MS = 3000; // that it is looked at over
+
+/** @typedef {import("./placement.js").Placement} Placement */
+/** @typedef {"north"|"bearing"|"heading"|"course"} Up what is up */
+/** @typedef {Up|"auto"} Wish auto: a sector's bearing, all round north */
 
 /** Heading, course and speed of one radar, from its poses: their velocity, or the way of the last seconds. */
 export class Heading {
@@ -15,17 +20,22 @@ export class Heading {
   }
 
   forget() {
-    this.heading_deg = null; // true; null: the poses have none
-    this.course_deg = null; // null: it stands
+    /** True; null: the poses have none. @type {number|null} */
+    this.heading_deg = null;
+    /** Null: it stands. @type {number|null} */
+    this.course_deg = null;
     this.speed_mps = 0;
-    this.trail = []; // places of late, and when they were
+    /** Places of late, and when they were. @type {{place: [number, number], at_ms: number}[]} */
+    this.trail = [];
     this.moved_ms = -Infinity; // when the newest pose was another than the one before
+    /** Of the newest pose. @type {string} */
     this.key = "";
   }
 
-  /** @param {any} pose of a frame or a dwell @param {number} now_ms */
+  /** @param {import("../wire.js").Pose} pose of a frame or a dwell @param {number} now_ms */
   take(pose, now_ms) {
     if (pose.heading_deg !== undefined) this.heading_deg = turned(number(pose.heading_deg));
+    /** @type {[number, number]} */
     const place = [number(pose.latitude_deg), number(pose.longitude_deg)];
     const key = [...place, pose.height_m, pose.bearing_deg, pose.tilt_deg].join();
     if (this.key && key !== this.key) this.moved_ms = now_ms;
@@ -44,25 +54,29 @@ export class Heading {
     this.#goes((1000 * east_m) / took_ms, (1000 * north_m) / took_ms, Math.hypot(east_m, north_m) < LEAST_M);
   }
 
-  /** Metres a second over the ground. */
+  /** Metres a second over the ground. @param {number} east @param {number} north @param {boolean} stands */
   #goes(east, north, stands) {
     this.course_deg = stands ? null : turned(Math.atan2(east, north) / DEGREE);
     this.speed_mps = stands ? 0 : Math.hypot(east, north);
   }
 
-  /** Whether poses that differ still come. */
+  /** Whether poses that differ still come. @param {number} now_ms */
   isMoving(now_ms) {
     return now_ms - this.moved_ms < 3000;
   }
 
-  /** The line that a display draws ahead: the heading, or where poses have none the radar's own bearing. */
+  /**
+   * The line that a display draws ahead: the heading, or where poses have none the radar's own bearing.
+   * @param {Placement} placement
+   */
   ahead_deg(placement) {
     return this.heading_deg ?? placement.bearing_deg;
   }
 
   /**
-   * @param {string} wish one of UPS, or "auto": a sector's bearing, all round north
-   * @returns {{up: string, up_deg: number}}
+   * @param {Wish} wish
+   * @param {Placement} placement
+   * @returns {{up: Up, up_deg: number}}
    */
   up(wish, placement) {
     const up = wish === "auto" ? (placement.isRound ? "north" : "bearing") : wish;

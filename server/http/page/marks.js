@@ -5,7 +5,9 @@ import { drawTargets } from "./target_marks.js";
 
 const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 
-/** @param {import("./ppi.js").Ppi} ppi */
+/** @typedef {import("./ppi.js").Ppi} Ppi @typedef {import("./placement.js").Point} Point */
+
+/** @param {Ppi} ppi */
 export function drawMarks(ppi) {
   const { marks: c, bins, look } = ppi;
   const { placement } = bins;
@@ -21,16 +23,17 @@ export function drawMarks(ppi) {
   headingLine(ppi, c);
   centreLine(ppi, c, antenna);
   drawLines(ppi, c);
-  const ends = [0, 1].map((k) => crossing(look.lines, k));
+  const ends = /** @type {const} */ ([0, 1]).map((k) => crossing(look.lines, k));
   if (ends[0] && ends[1]) {
     c.setLineDash([2, 4]);
     stroke(c, "#c9c9c9", ends.map(({ bearing_deg, slant_m }) => ppi.screenOf(bearing_deg, slant_m)));
     c.setLineDash([]);
   }
-  if (ppi.truth) drawTargets(ppi, c, look.targets);
+  if (ppi.truth) drawTargets(ppi, c, ppi.targets);
   if (look.cursor) drawCursor(ppi, c, look.cursor);
 }
 
+/** @param {CanvasRenderingContext2D} c @param {string} colour @param {Point[]} points */
 function stroke(c, colour, points) {
   c.strokeStyle = colour;
   c.lineWidth = 1;
@@ -39,7 +42,11 @@ function stroke(c, colour, points) {
   c.stroke();
 }
 
-/** From the antenna to the edge, solid as on ships' displays; only of a radar whose poses have a heading, or that looks all round. */
+/**
+ * From the antenna to the edge, solid as on ships' displays; only of a radar whose poses have a heading, or that looks all round.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ */
 function headingLine(ppi, c) {
   const { bins: { placement }, heading } = ppi;
   if (heading.heading_deg === null && !placement.isRound) return; // the sector's centre is marked at its edge
@@ -47,7 +54,12 @@ function headingLine(ppi, c) {
   stroke(c, "rgba(236, 250, 244, 0.85)", [ppi.look.bscope ? ppi.screenOf(ahead, placement.r0_m) : ppi.toScreen(0, 0), ppi.screenOf(ahead, placement.rMax_m)]);
 }
 
-/** Of the sector, with a handle for a controller. */
+/**
+ * Of the sector, with a handle for a controller.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ * @param {Point} antenna its pixels
+ */
 function centreLine(ppi, c, antenna) {
   const { placement } = ppi.bins;
   const bearing = ppi.draggedBearing_deg ?? placement.bearing_deg;
@@ -69,17 +81,17 @@ function centreLine(ppi, c, antenna) {
   c.restore();
 }
 
+/** @param {Ppi} ppi @param {CanvasRenderingContext2D} c @param {import("./look.js").Place} place */
 function drawCursor(ppi, c, { east_m, north_m }) {
   const [x, y] = ppi.toScreen(east_m, north_m).map((v) => Math.round(v) + 0.5);
   const parts = [[-16, 0, -5, 0], [5, 0, 16, 0], [0, -16, 0, -5], [0, 5, 0, 16]];
-  for (const [colour, width] of [["rgba(0, 0, 0, 0.6)", 3], ["#ffffff", 1]]) {
-    c.strokeStyle = colour;
-    c.lineWidth = width;
-    c.beginPath();
-    for (const [x0, y0, x1, y1] of parts) {
-      c.moveTo(x + x0, y + y0);
-      c.lineTo(x + x1, y + y1);
-    }
-    c.stroke();
+  c.beginPath();
+  for (const [x0, y0, x1, y1] of parts) {
+    c.moveTo(x + x0, y + y0);
+    c.lineTo(x + x1, y + y1);
   }
+  [c.strokeStyle, c.lineWidth] = ["rgba(0, 0, 0, 0.6)", 3];
+  c.stroke();
+  [c.strokeStyle, c.lineWidth] = ["#ffffff", 1];
+  c.stroke();
 }

@@ -9,6 +9,7 @@ const MINOR = 2;
 const HEADER_BYTES = 48;
 const JSON_FLAG = 1;
 
+/** As proto/message_type.h has them. @type {Partial<Record<keyof Messages, number>>} */
 const NUMBERS = {
   Hello: 1, Welcome: 2, Ack: 3, Error: 4, Heartbeat: 5, ListRadars: 16, RadarList: 17, GetRadar: 18, RadarInfo: 19,
   ClaimControl: 20, ReleaseControl: 21, SetSettings: 22, SetPose: 23, Subscribe: 24, Unsubscribe: 25, RenderOnce: 26,
@@ -20,21 +21,23 @@ const NUMBERS = {
 };
 const NAMES = new Map(Object.entries(NUMBERS).map(([name, number]) => [number, name]));
 
+/** @typedef {import("../wire.js").Messages} Messages those of obliq.proto */
+/** @typedef {import("../wire.js").Real | import("../wire.js").Int64} Numeric a number of protobuf's JSON */
+
 /**
- * @typedef {object} Message
- * @property {string} type of obliq.proto; "" for one that this page does not know
- * @property {number} stream
- * @property {number} utc_ms when the server encoded it
- * @property {any} body the descriptor; absent fields have their defaults
- * @property {Uint8Array} plane
+ * A message of a type of obliq.proto; "" is one that this page does not know. utc_ms: when the server encoded it. Absent fields of the
+ * body have their defaults.
+ * @typedef {{[Type in keyof Messages]: {type: Type, stream: number, utc_ms: number, body: Messages[Type], plane: Uint8Array}}} MessageOf
+ * @typedef {MessageOf[keyof Messages]} Message
  */
 
 const writer = new TextEncoder();
 const reader = new TextDecoder();
 
 /**
- * @param {string} type
- * @param {object} body
+ * @template {keyof Messages} Type
+ * @param {Type} type
+ * @param {Messages[Type]} body
  * @param {number} sequence
  * @returns {ArrayBuffer}
  */
@@ -67,13 +70,13 @@ export function decode(data) {
   const start = header.getUint16(10, true);
   const length = header.getUint32(16, true);
   if (start < HEADER_BYTES || start + length > data.byteLength) throw new Error("a message's lengths are wrong");
-  return {
+  return /** @type {Message} */ ({
     type: NAMES.get(header.getUint16(6, true)) ?? "",
     stream: header.getUint32(20, true),
     utc_ms: Number(header.getBigInt64(32, true) / 1000n) / 1000,
     body: length ? JSON.parse(reader.decode(new Uint8Array(data, start, length))) : {},
     plane: new Uint8Array(data, start + length),
-  };
+  });
 }
 
 /** UTC by this machine's clock, with fractions of a millisecond where the browser gives them. */
@@ -83,7 +86,7 @@ export function utcNow_ms() {
 
 /**
  * A number of protobuf's JSON: 64 bits come as strings, infinity as a word.
- * @param {any} value
+ * @param {Numeric|undefined} value
  * @param {number} absent
  */
 export function number(value, absent = 0) {

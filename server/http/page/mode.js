@@ -1,25 +1,31 @@
 // The switch of a radar's mode: map, moving target indicator, map sharpened by Doppler, image of synthetic aperture.
 
+import { make, put } from "./dom.js";
 import { number } from "./messages.js";
-import { refusalText } from "./form.js";
+import { refusalText } from "./stream.js";
 
 const C_MPS = 299792458;
 const STANDS_MPS = 1; // what is slower does not fly
 const KEY = "radar.mode";
 const FOR_PROGRAMS = "pulses"; // it has no picture of its own
 
-/** As pictures say it: "MTI"; of a map nothing. @param {Record<string, any>} settings */
+/** @typedef {import("../wire.js").RadarSettings} RadarSettings */
+
+/** As pictures say it: "MTI"; of a map nothing. @param {RadarSettings|undefined} settings */
 export function modeWord(settings) {
   const word = String(settings?.mode ?? "MAP_MODE").replace(/_MODE$/, "");
   return word === "MAP" ? "" : word;
 }
 
-const digits = (value) => String(+value.toPrecision(3));
+const digits = (/** @type {number} */ value) => String(+value.toPrecision(3));
 
-/** Radial speeds that a canceller takes for ground are multiples of this one: half a wavelength a pulse. */
+/**
+ * Radial speeds that a canceller takes for ground are multiples of this one: half a wavelength a pulse.
+ * @param {RadarSettings} s
+ */
 export const blind_mps = (s) => (C_MPS / (1e9 * number(s.frequency_ghz, 10)) / 2) * number(s.prf_hz, 1000);
 
-/** What each mode does and needs. @type {Record<string, (s: Record<string, any>) => string>} */
+/** What each mode does and needs. @type {Record<string, (s: RadarSettings) => string>} */
 const SENTENCES = {
   map: () => "The mean echo of all that the beam sees.",
   mti: (s) => `Cancels what stands still; blind at radial speeds of ${digits(blind_mps(s))} m/s (λ PRF/2) and its multiples; ` +
@@ -30,7 +36,12 @@ const SENTENCES = {
   pulses: (s) => `Gives programs ${number(s.doppler_pulses, 16)} pulses a dwell; this picture is the map.`,
 };
 
-/** What a mode lacks at this moment; nothing: it works. */
+/**
+ * What a mode lacks at this moment; nothing: it works.
+ * @param {string} word
+ * @param {RadarSettings} s
+ * @param {{speed_mps: number}} heading
+ */
 function lack(word, s, { speed_mps }) {
   const flies = speed_mps > STANDS_MPS;
   if (word === "mti" && flies && !s.clutter_lock) return `It flies at ${speed_mps.toFixed(0)} m/s without clutter lock: the ground moves, too.`;
@@ -38,35 +49,33 @@ function lack(word, s, { speed_mps }) {
   return "";
 }
 
-function make(tag, className, parent) {
-  const element = document.createElement(tag);
-  element.className = className;
-  parent.append(element);
-  return element;
-}
-
 export class ModeSwitch {
   /**
-   * @param {import("./main.js").App} app
    * @param {HTMLElement} panel
+   * @param {(messageField: string, value: string) => Promise<void>} set may be refused
    */
-  constructor(app, panel) {
-    this.app = app;
-    this.box = make("div", "mode-switch", panel);
-    this.box.hidden = true;
-    const row = make("div", "row", this.box);
-    make("span", "name", row).textContent = "Mode";
-    this.choice = make("span", "choice", row);
+  constructor(panel, set) {
+    this.set = set;
+    this.choice = make("span", { className: "choice" });
     this.choice.setAttribute("role", "radiogroup");
     this.choice.setAttribute("aria-label", "Mode of the radar");
-    this.word = make("output", "holder", row); // for those who may not set it
-    this.says = make("p", "hint", this.box);
-    this.lacks = make("p", "hint lack", this.box);
-    this.refusal = make("p", "refusal", this.box);
+    this.word = make("output", { className: "holder" }); // for those who may not set it
+    this.says = make("p", { className: "hint" });
+    this.lacks = make("p", { className: "hint lack" });
+    this.refusal = make("p", { className: "refusal" });
     this.refusal.setAttribute("role", "alert");
-    this.fields = make("div", "fields", this.box);
+    this.fields = make("div", { className: "fields" });
+    const row = make("div", { className: "row" }, make("span", { className: "name" }, "Mode"), this.choice, this.word);
+    this.box = make("div", { className: "mode-switch", hidden: true }, row, this.says, this.lacks, this.refusal, this.fields);
+    panel.append(this.box);
     /** @type {HTMLButtonElement[]} */
     this.buttons = [];
+    /** @type {import("./form.js").Parameter|undefined} */
+    this.parameter = undefined;
+    /** Fields of single modes. @type {import("./form.js").Field[]} */
+    this.own = [];
+    this.setNow = ""; // the radar and its settings as they are shown
+    this.refusedOf = ""; // those that a mode was refused for
   }
 
   /**
@@ -77,43 +86,39 @@ export class ModeSwitch {
   use(knobs, fieldOf) {
     this.parameter = knobs.find(({ key }) => key === KEY);
     if (!this.parameter) return knobs;
-    this.choice.replaceChildren(...this.parameter.limits.one_of.filter((word) => word !== FOR_PROGRAMS).map((word) => {
-      const button = document.createElement("button");
+    this.buttons = this.parameter.limits.one_of.filter((word) => word !== FOR_PROGRAMS).map((word) => {
+      const button = make("button", { id: `mode-${word}`, value: word, textContent: word === "map" ? word : word.toUpperCase(),
+        onclick: () => this.#choose(word) });
       button.setAttribute("role", "radio");
-      button.id = `mode-${word}`;
-      button.value = word;
-      button.textContent = word === "map" ? word : word.toUpperCase();
-      button.onclick = () => this.#choose(word);
       return button;
-    }));
-    this.buttons = [...this.choice.children];
+    });
+    this.choice.replaceChildren(...this.buttons);
     this.own = knobs.filter(({ modes }) => modes).map(fieldOf);
     this.fields.replaceChildren(...this.own.map(({ element }) => element));
     return knobs.filter((knob) => knob !== this.parameter && !knob.modes);
   }
 
+  /** @param {string} word */
   async #choose(word) {
     this.refusal.textContent = "";
     try {
-      await this.app.set(this.parameter.message_field, this.parameter.enumerators[word]);
+      await this.set(this.parameter.message_field, this.parameter.enumerators[word]);
     } catch (error) {
-      this.refusal.textContent = refusalText(error, this.parameter);
-      this.refusedOf = this.#settingsNow();
+      this.refusal.textContent = refusalText(error, this.parameter.key);
+      this.refusedOf = this.setNow;
     }
   }
 
-  #settingsNow() {
-    const { radar, info } = this.app.panes[0];
-    return `${radar} ${info?.settings_version}`;
-  }
-
   /**
-   * @param {any} info RadarInfo; nothing: not known
+   * @param {string} radar
+   * @param {import("../wire.js").RadarInfo|null} info null: not known
+   * @param {{speed_mps: number}} heading
    * @param {boolean} mine whether this page may set it now
    * @param {string} why not
    * @param {boolean} never nor ever
    */
-  show(info, mine, why, never) {
+  show(radar, info, heading, mine, why, never) {
+    this.setNow = `${radar} ${info?.settings_version}`;
     this.box.hidden = !info || !this.parameter;
     if (this.box.hidden) return;
     const s = info.settings ?? {};
@@ -126,13 +131,10 @@ export class ModeSwitch {
       button.disabled = !mine;
       button.title = mine ? SENTENCES[button.value]?.(s) ?? this.parameter.text : why;
     }
-    const put = (element, text) => {
-      if (element.textContent !== text) element.textContent = text;
-    };
     this.says.dataset.mode = now;
     put(this.says, SENTENCES[now]?.(s) ?? this.parameter.text);
-    put(this.lacks, lack(now, s, this.app.panes[0].heading));
-    if (this.refusal.textContent && this.refusedOf !== this.#settingsNow()) this.refusal.textContent = ""; // what was refused may now be allowed
+    put(this.lacks, lack(now, s, heading));
+    if (this.refusal.textContent && this.refusedOf !== this.setNow) this.refusal.textContent = ""; // what was refused may now be allowed
     for (const { element, parameter } of this.own) element.hidden = !parameter.modes.includes(now);
   }
 }

@@ -25,7 +25,7 @@ const VIRIDIS =
 
 /** @typedef {[number, number, number]} Colour red, green, blue, 0 to 255 */
 
-// Between these, linearly.
+/** Between these, linearly. @type {Record<string, [number, Colour][]>} */
 const RAMPS = {
   green: [[0, [2, 8, 5]], [0.3, [6, 62, 30]], [0.62, [24, 158, 74]], [0.88, [120, 240, 140]], [1, [226, 255, 220]]],
   grey: [[0, [0, 0, 0]], [1, [255, 255, 255]]],
@@ -48,34 +48,46 @@ export const NOT_YET = /** @type {Colour} */ ([58, 66, 70]);
 /** Lines of ground that no file has, where the overlay is off. */
 export const UNKNOWN_LINES = /** @type {Colour} */ ([92, 104, 110]);
 
-/** What beside its hue tells a state from another: dots, level lines, lines that rise, upright lines. */
+/** A pixel of a tile: whether it is part of a hatch. @typedef {(x: number, y: number) => boolean} Hatch */
+
+/** What beside its hue tells a state from another: dots, level lines, lines that rise, upright lines. @type {Hatch[]} */
 const HATCHES = [(x, y) => (x & 3) < 2 && (y & 3) < 2, () => false, (x, y) => (y & 3) < 2, (x, y) => ((x + y) & 7) < 3, (x) => (x & 3) < 2];
 
-/** A tile of 8 x 8 pixels: whether each is part of the state's hatch. */
+/** A tile of 8 x 8 pixels: whether each is part of the state's hatch. @param {number} state */
 const tileOf = (state) => Array.from({ length: 64 }, (_, k) => HATCHES[state](k & 7, k >> 3));
+
+/** Between the lines of a hatch. @param {Colour} colour @returns {Colour} */
+const dimmed = ([r, g, b]) => [Math.round(0.42 * r), Math.round(0.42 * g), Math.round(0.42 * b)];
 
 /** [state][pixel of the tile] a packed colour: the state's hue, darker between the lines of its hatch. */
 export const stateTiles = () => STATE_COLOURS.map((colour, state) =>
-  Uint32Array.from(tileOf(state), (line) => packed(line ? colour : colour.map((c) => Math.round(0.42 * c)))));
+  Uint32Array.from(tileOf(state), (line) => packed(line ? colour : dimmed(colour))));
 
 /** [pixel of the tile] lines over what else a picture shows; 0 between them. */
 export const unknownTile = () => Uint32Array.from(tileOf(3), (line) => (line ? packed(UNKNOWN_LINES) : 0));
 
-/** A packed pixel of an ImageData, on a little-endian machine (all that browsers run on). */
+/** A packed pixel of an ImageData, on a little-endian machine (all that browsers run on). @param {Colour} colour */
 export const packed = ([r, g, b]) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+
+/** @param {Colour} from @param {Colour} to @param {number} part of the way @returns {Colour} */
+function mixed([r, g, b], [toR, toG, toB], part) {
+  const mix = (/** @type {number} */ a, /** @type {number} */ z) => Math.round(a + part * (z - a));
+  return [mix(r, toR), mix(g, toG), mix(b, toB)];
+}
 
 /** @param {string} name @param {number} level 0 to 255 @returns {Colour} */
 export function colourOf(name, level) {
   if (name === "viridis") {
     const at = 6 * Math.round(level);
-    return [0, 2, 4].map((k) => parseInt(VIRIDIS.substring(at + k, at + k + 2), 16));
+    const part = (/** @type {number} */ k) => parseInt(VIRIDIS.substring(at + k, at + k + 2), 16);
+    return [part(0), part(2), part(4)];
   }
   const ramp = RAMPS[name] ?? RAMPS.green;
   const t = level / (LEVELS - 1);
   const k = Math.max(1, ramp.findIndex(([end]) => t <= end));
   const [[t0, low], [t1, high]] = [ramp[k - 1], ramp[k]];
   const part = (t - t0) / (t1 - t0);
-  return [0, 1, 2].map((c) => Math.round(low[c] + part * (high[c] - low[c])));
+  return mixed(low, high, part);
 }
 
 /**
@@ -89,8 +101,7 @@ export function paletteOf(name) {
   for (let age = 0; age < AGES; ++age) {
     const light = Math.pow(0.1, age / (AGES - 1));
     for (let level = 0; level < LEVELS; ++level) {
-      const faded = colours[level].map((c, k) => Math.round(ground[k] + light * (c - ground[k])));
-      table[age * LEVELS + level] = packed(faded);
+      table[age * LEVELS + level] = packed(mixed(ground, colours[level], light));
     }
   }
   return table;

@@ -15,8 +15,11 @@ const { sin, cos, tan, sqrt, atan2, atan, hypot } = Math;
 /** @param {number} angle_deg to 0..360 */
 export const turned = (angle_deg) => ((angle_deg % 360) + 360) % 360;
 
+/** @typedef {[number, number]} Point east and north on a plane in metres, or right and down on a picture in pixels */
+
 /** The frame of one scene origin. */
 export class World {
+  /** @param {number} latitude_deg @param {number} longitude_deg @param {number} radius_factor */
   constructor(latitude_deg, longitude_deg, radius_factor) {
     const phi = latitude_deg * DEGREE;
     this.longitude_deg = longitude_deg;
@@ -30,14 +33,19 @@ export class World {
     this.nn = this.sin ** 2 + w * this.cos ** 2;
   }
 
-  /** The ellipsoid's own y, before refraction. */
+  /** The ellipsoid's own y, before refraction. @param {number} x @param {number} z */
   ellipsoid_y_m(x, z) {
     const h = this.n + this.un * z;
     const c = x * x + this.nn * z * z;
     return -c / (h + sqrt(Math.max(0, h * h - this.uu * c)));
   }
 
-  /** @returns {[number, number, number]} latitude and longitude in degrees, height above the ellipsoid */
+  /**
+   * @param {number} x
+   * @param {number} y
+   * @param {number} z
+   * @returns {[number, number, number]} latitude and longitude in degrees, height above the ellipsoid
+   */
   geodetic(x, y, z) {
     const along = this.n + y + this.bend * this.ellipsoid_y_m(x, z);
     const first = along * this.cos - z * this.sin;
@@ -52,7 +60,12 @@ export class World {
     return [latitude / DEGREE, turned(longitude + 180) - 180, height];
   }
 
-  /** @returns {[number, number, number]} x, y, z of a geodetic position */
+  /**
+   * @param {number} latitude_deg
+   * @param {number} longitude_deg
+   * @param {number} height_m
+   * @returns {[number, number, number]} x, y, z of a geodetic position
+   */
   world(latitude_deg, longitude_deg, height_m) {
     const phi = latitude_deg * DEGREE;
     const lambda = (longitude_deg - this.longitude_deg) * DEGREE;
@@ -69,6 +82,10 @@ export class World {
 /**
  * The geodesic from a point: T. Vincenty, "Direct and inverse solutions of geodesics on the ellipsoid", Survey Review 23
  * (1975), within 0.1 mm.
+ * @param {number} latitude_deg
+ * @param {number} longitude_deg
+ * @param {number} east_m
+ * @param {number} north_m
  * @returns {[number, number]} latitude and longitude in degrees
  */
 export function direct(latitude_deg, longitude_deg, east_m, north_m) {
@@ -105,7 +122,11 @@ export function direct(latitude_deg, longitude_deg, east_m, north_m) {
 /**
  * East and north of a point within some 1,000 km: direct() turned round on the tangent plane of the first point, where nothing
  * happens at a pole. A step leaves (s / R)^2 / 2 of the error: under a micrometre.
- * @returns {[number, number]}
+ * @param {number} latitude_deg
+ * @param {number} longitude_deg
+ * @param {number} toLatitude_deg
+ * @param {number} toLongitude_deg
+ * @returns {Point}
  */
 export function inverse(latitude_deg, longitude_deg, toLatitude_deg, toLongitude_deg) {
   const tangent = new World(latitude_deg, longitude_deg, 1);
@@ -123,9 +144,9 @@ export function inverse(latitude_deg, longitude_deg, toLatitude_deg, toLongitude
  * A frame's bins on the plane. Bearings in degrees, clockwise from true north at the antenna.
  */
 export class Placement {
-  /** @param {any} d a FrameDescriptor */
+  /** @param {import("../wire.js").FrameDescriptor} d */
   constructor(d) {
-    const get = (value) => Number(value ?? 0);
+    const get = (/** @type {import("./messages.js").Numeric|undefined} */ value) => Number(value ?? 0);
     this.start_deg = get(d.azimuth_start_deg);
     this.width_deg = get(d.azimuth_width_deg);
     this.r0_m = get(d.range_start_m);
@@ -160,7 +181,11 @@ export class Placement {
     return this.r0_m + this.ranges * this.spacing_m;
   }
 
-  /** What the antenna measures of a place on the plane: slant range, true bearing. */
+  /**
+   * What the antenna measures of a place on the plane: slant range, true bearing.
+   * @param {number} east_m
+   * @param {number} north_m
+   */
   seen(east_m, north_m) {
     const [lat, lon] = direct(this.latitude_deg, this.longitude_deg, east_m, north_m);
     const [x, y, z] = this.world.world(lat, lon, this.reference_m);
@@ -175,7 +200,11 @@ export class Placement {
     };
   }
 
-  /** Where a bearing and slant range meet a height, that of the reference; ground_m is 0 where they do not. */
+  /**
+   * Where a bearing and slant range meet a height, that of the reference; ground_m is 0 where they do not.
+   * @param {number} bearing_deg
+   * @param {number} slant_m
+   */
   located(bearing_deg, slant_m, height_m = this.reference_m) {
     const alpha = bearing_deg * DEGREE + this.north_rad;
     let y = height_m;
@@ -191,7 +220,7 @@ export class Placement {
     return { ground_m: d, latitude_deg: lat, longitude_deg: lon };
   }
 
-  /** East and north on the plane of a bearing and slant range. */
+  /** On the plane. @param {number} bearing_deg @param {number} slant_m @returns {Point} */
   place(bearing_deg, slant_m) {
     const { ground_m, latitude_deg, longitude_deg } = this.located(bearing_deg, slant_m);
     if (ground_m === 0) return [0, 0];
@@ -206,7 +235,11 @@ export class Placement {
     });
   }
 
-  /** Azimuth bin of a bearing, range bin of a slant range; -1 where there is none. */
+  /**
+   * Azimuth bin of a bearing, range bin of a slant range; -1 where there is none.
+   * @param {number} bearing_deg
+   * @param {number} slant_m
+   */
   bin(bearing_deg, slant_m) {
     let row = Math.floor(turned(bearing_deg - this.start_deg) / this.width_deg);
     if (this.isRound) row = Math.min(row, this.azimuths - 1);

@@ -18,26 +18,7 @@ const NOT_YET_PIXEL = packed(NOT_YET);
 const TILES = stateTiles().map((tile, state) => (state === 1 ? null : tile)); // the overlay
 const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
 
-/**
- * @typedef {object} Look what all panes share
- * @property {string} palette
- * @property {number} afterglow_s
- * @property {"auto"|"north"|"bearing"|"heading"|"course"} up
- * @property {boolean} bscope azimuths across, ranges upwards, instead of places
- * @property {boolean} profile below the first picture, the ground along bearing line 1
- * @property {number} px CSS pixels of one of the page's own
- * @property {boolean} slant
- * @property {"km"|"NM"} unit
- * @property {boolean} overlay
- * @property {string} label the plane whose labels are shown; empty: none
- * @property {boolean} rings
- * @property {number} trails minutes; 0: none
- * @property {boolean} relative trails move with the antenna; else they stay on the earth
- * @property {{right_m: number, ahead_m: number, zoom: number}|null} window null: all of the sector
- * @property {{east_m: number, north_m: number}|null} cursor
- * @property {import("./lines.js").Lines} lines
- * @property {import("./targets.js").Targets} targets
- */
+/** @typedef {import("./look.js").Look} Look @typedef {import("./placement.js").Point} Point */
 
 /** In the page's pixels. @typedef {{left: number, right: number, top: number, bottom: number}} Box */
 
@@ -71,10 +52,19 @@ export class Ppi {
     this.draws = 0;
     this.times = { draw_ms: 0, table_ms: 0 };
     this.handle = false; // whether the centre bearing can be dragged
+    /** Where. @type {Point|null} */
+    this.handleAt = null;
+    /** @type {number|undefined} */
+    this.draggedBearing_deg = undefined;
+    /** @type {{step: number, first: number, last: number, unit: import("./grid.js").Unit}|null} */
+    this.ringStep = null;
     /** Of the grid. @type {Box[]} */
     this.words = [];
     /** Where targets are; null: not shown. @type {import("./truth.js").Truth|null} */
     this.truth = null;
+    /** What is known of them. @type {import("./target_marks.js").TargetsShown|null} */
+    this.targets = null;
+    this.marked_ms = 0; // when new places of targets were last drawn
     this.needs = { table: true, grid: true, marks: true, all: true };
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
@@ -127,15 +117,16 @@ export class Ppi {
     return { ...base, pixel_m: fit.pixel_m / chosen.zoom, right_m: chosen.right_m, ahead_m: chosen.ahead_m };
   }
 
+  /** The view that holds all of the sector. @param {number} up_deg */
   #fit(up_deg) {
     const { placement } = this.bins;
     const u = up_deg * DEGREE;
     let [left, right, back, ahead] = [0, 0, 0, 0];
-    const include = (bearing_deg, slant_m, first) => {
+    const include = (/** @type {number} */ bearing_deg, /** @type {number} */ slant_m, isFirst = false) => {
       const [e, n] = this.placed(bearing_deg, slant_m);
       const x = e * Math.cos(u) - n * Math.sin(u);
       const y = e * Math.sin(u) + n * Math.cos(u);
-      if (first) [left, right, back, ahead] = [x, x, y, y];
+      if (isFirst) [left, right, back, ahead] = [x, x, y, y];
       [left, right] = [Math.min(left, x), Math.max(right, x)];
       [back, ahead] = [Math.min(back, y), Math.max(ahead, y)];
     };
@@ -156,7 +147,7 @@ export class Ppi {
     return { pixel_m, right_m: (left + right) / 2, ahead_m: (back + ahead) / 2 };
   }
 
-  /** On the plane of this picture. */
+  /** On the plane of this picture. @param {number} bearing_deg @param {number} slant_m @returns {Point} */
   placed(bearing_deg, slant_m) {
     if (!this.isSlant) return this.bins.placement.place(bearing_deg, slant_m);
     return [slant_m * Math.sin(bearing_deg * DEGREE), slant_m * Math.cos(bearing_deg * DEGREE)];
@@ -168,7 +159,7 @@ export class Ppi {
     return { left: side, right: this.width - side, top: 44, bottom: this.height - 34 };
   }
 
-  /** The page's pixels of a bearing and slant range. */
+  /** The page's pixels of a bearing and slant range. @param {number} bearing_deg @param {number} slant_m @returns {Point} */
   screenOf(bearing_deg, slant_m) {
     if (!this.look.bscope) return this.toScreen(...this.placed(bearing_deg, slant_m));
     const { placement } = this.bins;
@@ -179,7 +170,7 @@ export class Ppi {
       bottom - ((slant_m - placement.r0_m) / (placement.rMax_m - placement.r0_m)) * (bottom - top)];
   }
 
-  /** The page's pixels of a place on the plane. */
+  /** The page's pixels of a place on the plane. @param {number} east_m @param {number} north_m @returns {Point} */
   toScreen(east_m, north_m) {
     if (this.look.bscope) {
       const { bearing_deg, slant_m } = this.#seenFrom(east_m, north_m);
@@ -190,7 +181,7 @@ export class Ppi {
     return [x * k, y * k];
   }
 
-  /** A place on the plane under the page's pixels. */
+  /** A place on the plane under the page's pixels. @param {number} x @param {number} y @returns {import("./look.js").Place} */
   fromScreen(x, y) {
     if (this.look.bscope) {
       const { placement } = this.bins;
@@ -205,7 +196,7 @@ export class Ppi {
     return { east_m, north_m };
   }
 
-  /** Slant and ground range, bearing, place, bin and value of a place on the plane. */
+  /** Slant and ground range, bearing, place, bin and value of a place on the plane. @param {import("./look.js").Place} place */
   read({ east_m, north_m }) {
     const { bins } = this;
     const { placement } = bins;
@@ -218,7 +209,7 @@ export class Ppi {
       state: isKnown && bins.hasState[row] ? bins.state[bin] : -1 };
   }
 
-  /** What the antenna measures of a place on this picture's plane. */
+  /** What the antenna measures of a place on this picture's plane. @param {number} east_m @param {number} north_m */
   #seenFrom(east_m, north_m) {
     const { placement } = this.bins;
     if (!this.isSlant) return placement.seen(east_m, north_m);
@@ -227,7 +218,7 @@ export class Ppi {
     return { slant_m, bearing_deg, ...placement.located(bearing_deg, slant_m) };
   }
 
-  /** Zooms about the page's pixels. Begins where the last zoom or pan ended, drawn or not. */
+  /** Zooms about the page's pixels. Begins where the last zoom or pan ended, drawn or not. @param {number} factor */
   zoom(factor, x = this.width / 2, y = this.height / 2) {
     if (!this.bins.placement || this.look.bscope) return;
     const view = this.#viewNow();
@@ -240,6 +231,7 @@ export class Ppi {
     this.look.window = { zoom, right_m: view.right_m + dx, ahead_m: view.ahead_m - dy };
   }
 
+  /** @param {number} dx the page's pixels @param {number} dy */
   pan(dx, dy) {
     if (!this.bins.placement || this.look.bscope) return;
     const view = this.#viewNow();
@@ -279,6 +271,7 @@ export class Ppi {
     return rows > 0;
   }
 
+  /** @param {number} began by performance.now() */
   #rebuild(began) {
     this.view = this.#viewNow();
     if (this.look.bscope) {
@@ -295,6 +288,7 @@ export class Ppi {
     this.times.table_ms = performance.now() - began;
   }
 
+  /** @param {number} clock_ms that ages count from @returns {number} rows that were drawn */
   #drawRows(clock_ms) {
     const { bins, table, out, palette, ages } = this;
     const { rowStart } = table;
@@ -327,11 +321,31 @@ export class Ppi {
   }
 }
 
+/**
+ * @param {Uint32Array} out pixels
+ * @param {BinTable} table
+ * @param {number} begin of its pixels
+ * @param {number} end
+ * @param {Uint8ClampedArray} shown levels
+ * @param {Uint32Array} palette
+ * @param {number} age where its colours begin
+ */
 function drawPlain(out, { pixels, bins }, begin, end, shown, palette, age) {
   for (let k = begin; k < end; ++k) out[pixels[k]] = palette[age + shown[bins[k]]];
 }
 
-/** By state, as `tiles` have it; where they have nothing (null, or 0 in a tile) the level. */
+/**
+ * By state, as `tiles` have it; where they have nothing (null, or 0 in a tile) the level.
+ * @param {Uint32Array} out pixels
+ * @param {number} width of the picture
+ * @param {BinTable} table
+ * @param {number} begin of its pixels
+ * @param {number} end
+ * @param {import("./bins.js").Bins} bins
+ * @param {Uint32Array} palette
+ * @param {number} age where its colours begin
+ * @param {(Uint32Array|null)[]} tiles
+ */
 function drawStates(out, width, { pixels, bins }, begin, end, { shown, state }, palette, age, tiles) {
   for (let k = begin; k < end; ++k) {
     const bin = bins[k];

@@ -11,7 +11,12 @@ const SEEN = [1, 2]; // of a record's sight: visible, visible over unknown groun
 
 /** @typedef {{slant_m: number, known: boolean, height_m: number, surface_m: number, seen: boolean}} Point */
 
-/** Records of a GroundAnswer: PROTOCOL.md, "Ground queries". @returns {Omit<Point, "slant_m">[]} */
+/**
+ * Records of a GroundAnswer: PROTOCOL.md, "Ground queries".
+ * @param {import("../wire.js").GroundAnswer} answer
+ * @param {Uint8Array} plane
+ * @returns {Omit<Point, "slant_m">[]}
+ */
 export function recordsOf({ points, record_bytes }, plane) {
   const view = new DataView(plane.buffer, plane.byteOffset, plane.byteLength);
   return Array.from({ length: number(points) }, (_, k) => {
@@ -22,9 +27,16 @@ export function recordsOf({ points, record_bytes }, plane) {
 }
 
 export class Profile {
-  /** @param {HTMLCanvasElement} canvas the A-scope's */
-  constructor(canvas) {
+  /**
+   * @param {HTMLCanvasElement} canvas the A-scope's
+   * @param {import("./look.js").Look} look
+   * @param {import("./stream.js").Link} link
+   */
+  constructor(canvas, look, link) {
     this.canvas = canvas;
+    this.look = look;
+    this.link = link;
+    this.pending = false;
     this.context = canvas.getContext("2d");
     /** @type {Point[]} */
     this.points = [];
@@ -35,13 +47,19 @@ export class Profile {
     this.asked_ms = -Infinity;
   }
 
-  /** @param {import("./pane.js").Pane} pane */
-  isWanted({ app, radar }) {
-    return app.look.profile && app.look.lines.ebl[0] !== null && Boolean(radar);
+  /** @param {string} radar nothing: the picture has none of its own */
+  isWanted(radar) {
+    return this.look.profile && this.look.lines.ebl[0] !== null && Boolean(radar);
   }
 
-  /** Asks where something has changed. @param {import("./pane.js").Pane} pane */
-  async ask({ app: { link, look }, bins: { placement }, radar, newestPose }) {
+  /**
+   * Asks where something has changed.
+   * @param {string} radar
+   * @param {import("./placement.js").Placement} placement
+   * @param {import("../wire.js").Pose|null} newestPose
+   */
+  async #ask(radar, placement, newestPose) {
+    const { link, look } = this;
     const now = performance.now();
     const bearing_deg = look.lines.ebl[0];
     const key = [radar, bearing_deg, placement.r0_m, placement.rMax_m, newestPose?.latitude_deg, newestPose?.longitude_deg, newestPose?.height_m].join();
@@ -61,13 +79,15 @@ export class Profile {
     this.pending = false;
   }
 
-  /** @param {import("./pane.js").Pane} pane */
-  draw(pane) {
-    this.ask(pane);
-    const { canvas, context: c } = this;
-    const { look } = pane.app;
-    const { placement } = pane.bins;
-    const room = placement && emptied(canvas, look);
+  /**
+   * @param {string} radar
+   * @param {import("./placement.js").Placement} placement
+   * @param {import("../wire.js").Pose|null} newestPose
+   */
+  draw(radar, placement, newestPose) {
+    this.#ask(radar, placement, newestPose);
+    const { canvas, context: c, look } = this;
+    const room = emptied(canvas, look);
     if (!room) return;
     const [width, height] = room;
     c.fillStyle = INK;
@@ -80,8 +100,8 @@ export class Profile {
     const most = Math.max(...known.map((point) => point.surface_m), Number.isNaN(this.antenna_m) ? -Infinity : this.antenna_m);
     const span = Math.max(10, most - least);
     const floor = height - BOTTOM - 1;
-    const x = (slant_m) => LEFT + ((slant_m - placement.r0_m) / (placement.rMax_m - placement.r0_m)) * (width - LEFT - 6);
-    const y = (m) => 6 + (1 - (m - least) / (1.04 * span)) * (floor - 8);
+    const x = (/** @type {number} */ slant_m) => LEFT + ((slant_m - placement.r0_m) / (placement.rMax_m - placement.r0_m)) * (width - LEFT - 6);
+    const y = (/** @type {number} */ m) => 6 + (1 - (m - least) / (1.04 * span)) * (floor - 8);
     const step = stepOf(span, Math.max(2, Math.floor(height / 30)));
     drawAxes(c, placement, look, { width, height, x, y }, { least, most: least + span, step, unit: "m" });
     const each = (width - LEFT - 6) / POINTS;

@@ -30,9 +30,9 @@ export class Scope {
     const row = isCursor ? at.row : bins.scanRow >= 0 ? bins.scanRow : Math.floor(placement.azimuths / 2);
     const values = bins.video.subarray(row * placement.ranges, (row + 1) * placement.ranges);
     this.#settle(values, bins);
-    const x = (column) => LEFT + (column / placement.ranges) * (width - LEFT - 6);
-    const y = (dB) => 4 + (1 - (dB - this.low) / (this.high - this.low)) * (height - BOTTOM - 6);
-    const atRange = (slant_m) => x((slant_m - placement.r0_m) / placement.spacing_m);
+    const x = (/** @type {number} */ column) => LEFT + (column / placement.ranges) * (width - LEFT - 6);
+    const y = (/** @type {number} */ dB) => 4 + (1 - (dB - this.low) / (this.high - this.low)) * (height - BOTTOM - 6);
+    const atRange = (/** @type {number} */ slant_m) => x((slant_m - placement.r0_m) / placement.spacing_m);
     drawAxes(c, placement, look, { width, height, x: atRange, y }, { least: this.low, most: this.high, step: this.#step(height), unit: "dB as sent" });
     c.strokeStyle = "#7ee0a4";
     c.lineWidth = 1;
@@ -63,7 +63,11 @@ export class Scope {
     c.textAlign = "left";
   }
 
-  /** The axis holds all that was seen of this geometry, in steps of ten. */
+  /**
+   * The axis holds all that was seen of this geometry, in steps of ten.
+   * @param {Uint8Array} values
+   * @param {import("./bins.js").Bins} bins
+   */
   #settle(values, bins) {
     const key = `${bins.floor_dB} ${bins.step_dB} ${bins.placement.key.split(",").slice(0, 6)}`;
     if (key !== this.key) [this.key, this.low, this.high] = [key, Infinity, -Infinity];
@@ -80,7 +84,7 @@ export class Scope {
     if (!(this.high > this.low)) [this.low, this.high] = [bins.floor_dB, bins.floor_dB + LEAST_SPAN_DB];
   }
 
-  /** Between lines, so that there are two at least. */
+  /** Between lines, so that there are two at least. @param {number} height */
   #step(height) {
     const span = this.high - this.low;
     let most = Math.max(2, Math.floor(height / 26));

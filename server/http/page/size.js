@@ -10,7 +10,7 @@ export function sizeFor(chosen) {
   return Math.min(LARGEST, Math.max(1, room)) * chosen;
 }
 
-/** For the style sheet, which counts in var(--px). */
+/** For the style sheet, which counts in var(--px). @param {number} size CSS pixels */
 export function applySize(size) {
   document.documentElement.style.setProperty("--px", `${size}px`);
 }

@@ -1,5 +1,6 @@
 // The connection: it opens, greets, asks, measures the server's clock, notices silence, and comes back by itself.
 
+import { Events } from "./events.js";
 import { SUBPROTOCOL, decode, encode, utcNow_ms } from "./messages.js";
 
 const BEAT_MS = 700; // between heartbeats
@@ -12,13 +13,25 @@ const TOKEN_KEY = "obliq.token"; // of sessionStorage: it ends with the tab
 
 /** What the server refused, with its number and the faulty fields. */
 export class Refused extends Error {
-  /** @param {any} body of an Error message */
+  /** @param {import("../wire.js").Error} body */
   constructor(body) {
     super(body.text ?? "refused");
     this.number = body.number ?? 0;
-    /** @type {{field: string, found: string, allowed: string}[]} */
     this.fields = body.fields ?? [];
   }
+}
+
+/**
+ * In words: first what is wrong with the field of a key, without its name, where there is one.
+ * @param {Error} error
+ * @param {string} [key]
+ */
+export function refusalText(error, key) {
+  const fields = error instanceof Refused ? error.fields : [];
+  const wordsOf = (/** @type {import("../wire.js").FieldFault} */ { found, allowed }) => `found ${found}; allowed: ${allowed}`;
+  const own = fields.filter(({ field }) => field === key).map(wordsOf);
+  const others = fields.filter(({ field }) => field !== key).map((fault) => `${fault.field}: ${wordsOf(fault)}`);
+  return [...own, ...others].join("; ") || error.message;
 }
 
 /**
@@ -28,29 +41,48 @@ export class Refused extends Error {
  * @property {number} retry_ms when the next attempt is due, by performance.now(); 0: none
  */
 
-export class Link {
-  /**
-   * @param {object} heard
-   * @param {(message: import("./messages.js").Message) => void} heard.message all that answers no request
-   * @param {(state: LinkState) => void} heard.state
-   * @param {(welcome: any) => void} heard.welcome
-   * @param {(scales: number[], unit: "NM"|"km") => void} heard.scales of range
-   */
-  constructor(heard) {
-    this.heard = heard;
+/** @typedef {import("./messages.js").Messages} Messages @typedef {import("./messages.js").MessageOf} MessageOf */
+/** @typedef {import("../wire.js").GroundAnswer & {plane: Uint8Array}} GroundRecords an answer with its plane */
+
+/**
+ * What answers a request: of those that are not here an Ack.
+ * @typedef {{Hello: import("../wire.js").Welcome, GetRadar: import("../wire.js").RadarInfo, GetStatus: import("../wire.js").Status,
+ *   QueryGround: GroundRecords, GetTargets: import("../wire.js").TargetList, GetEvents: import("../wire.js").ExerciseEvents}} Answers
+ */
+/** @template {keyof Messages} Type @typedef {Type extends keyof Answers ? Answers[Type] : import("../wire.js").Ack} AnswerTo */
+/** Of range, as the server offers them. @typedef {{scales: number[], unit: import("./grid.js").Unit}} Scales */
+/**
+ * By type each message that answers no request.
+ * @typedef {MessageOf & {state: LinkState, welcome: import("../wire.js").Welcome, scales: Scales}} Said
+ */
+
+/** @extends {Events<Said>} */
+export class Link extends Events {
+  constructor() {
+    super();
     /** @type {LinkState} */
     this.state = { kind: "connecting", text: "", retry_ms: 0 };
+    /** @type {import("../wire.js").Welcome|null} */
     this.welcome = null;
     this.offset_ms = 0; // server's clock minus this one's
     this.roundTrip_ms = Infinity;
     this.received = 0; // bytes
+    /** @type {WebSocket|null} */
     this.socket = null;
+    /**
+     * Requests by their ids.
+     * @type {Map<string, {resolve: (answer: any) => void, reject: (error: Error) => void, limit: number}>}
+     */
     this.waiting = new Map();
     this.nextRequest = 1;
     this.sequence = 0;
     this.pause_ms = FIRST_PAUSE_MS;
+    this.greeted_ms = 0;
     this.heard_ms = 0;
+    this.shown_ms = 0;
+    /** The heartbeat that is not answered yet. @type {{id: string, sent_ms: number}|null} */
     this.beat = null;
+    this.beaten_ms = 0;
     this.retry = 0;
     setInterval(() => this.#watch(), 150);
   }
@@ -87,36 +119,38 @@ export class Link {
   }
 
   /**
-   * @param {string} type
-   * @param {object} [body]
-   * @returns {Promise<any>} the answer's body; of a GroundAnswer also its plane
+   * @template {keyof Messages} Type
+   * @param {Type} type
+   * @param {Messages[Type]} [body]
+   * @returns {Promise<AnswerTo<Type>>} the answer's body; of a GroundAnswer also its plane
    */
-  ask(type, body = {}) {
+  ask(type, body = /** @type {Messages[Type]} */ ({})) {
     return new Promise((resolve, reject) => {
       if (this.socket?.readyState !== WebSocket.OPEN) {
         reject(new Error("not connected"));
         return;
       }
-      const id = this.nextRequest++;
+      const id = String(this.nextRequest++);
       const limit = setTimeout(() => {
-        this.waiting.delete(String(id));
+        this.waiting.delete(id);
         reject(new Error("no answer"));
       }, ANSWER_LIMIT_MS);
-      this.waiting.set(String(id), { resolve, reject, limit, type });
+      this.waiting.set(id, { resolve, reject, limit });
       this.#send(type, { request_id: id, ...body });
     });
   }
 
   /**
    * A request whose answer is a frame: its number, which the frame's messages repeat.
-   * @param {object} body of RenderOnce
+   * @param {import("../wire.js").RenderOnce} body
    */
   render(body) {
-    const id = this.nextRequest++;
+    const id = String(this.nextRequest++);
     this.#send("RenderOnce", { request_id: id, ...body });
-    return String(id);
+    return id;
   }
 
+  /** @template {keyof Messages} Type @param {Type} type @param {Messages[Type]} body */
   #send(type, body) {
     this.socket.send(encode(type, body, ++this.sequence));
   }
@@ -126,13 +160,14 @@ export class Link {
     try {
       const answer = await fetch("page.json", { cache: "no-store", signal: AbortSignal.timeout(3000) });
       const { state, range_scales, range_unit } = await answer.json();
-      this.heard.scales(range_scales, range_unit);
+      this.emit("scales", { scales: range_scales, unit: range_unit });
       return /^(loading|stopping)/.test(state) ? state : "ready";
     } catch {
       return "";
     }
   }
 
+  /** @param {WebSocket} socket */
   async #greet(socket) {
     this.heard_ms = performance.now();
     try {
@@ -142,13 +177,13 @@ export class Link {
       this.welcome = welcome;
       this.greeted_ms = performance.now();
       this.#say("live");
-      this.heard.welcome(welcome);
+      this.emit("welcome", welcome);
     } catch (error) {
       if (this.socket === socket && error instanceof Refused) this.#refuse(error);
     }
   }
 
-  /** Errors that end the connection; the others answer a request or are news. */
+  /** Errors that end the connection; the others answer a request or are news. @param {Refused} error */
   #refuse(error) {
     const wasLive = this.welcome !== null;
     this.#drop(error.message);
@@ -163,6 +198,7 @@ export class Link {
     }
   }
 
+  /** @param {ArrayBuffer|string} data */
   #receive(data) {
     const now = performance.now();
     this.heard_ms = now;
@@ -177,20 +213,30 @@ export class Link {
       return;
     }
     const isFrame = type === "FrameBegin" || type === "FrameAbort";
-    const waiting = !isFrame && body.request_id ? this.waiting.get(body.request_id) : undefined;
+    const id = !isFrame && "request_id" in body ? body.request_id : "";
+    const waiting = id ? this.waiting.get(id) : undefined;
     if (waiting) {
-      this.waiting.delete(body.request_id);
+      this.waiting.delete(id);
       clearTimeout(waiting.limit);
       if (type === "Error") waiting.reject(new Refused(body));
       else waiting.resolve(type === "GroundAnswer" ? { ...body, plane: message.plane } : body);
     } else if (type === "Error" && (body.number ?? 0) < 100) {
       this.#refuse(new Refused(body));
     } else {
-      this.heard.message(message);
+      this.#pass(type, message);
     }
   }
 
-  /** The server's time belongs to the middle of the round trip; the shortest trip of late tells best. */
+  /** @template {keyof MessageOf} Type @param {Type} type @param {import("./messages.js").Message} message of that type */
+  #pass(type, message) {
+    this.emit(type, /** @type {Said[Type]} */ (message));
+  }
+
+  /**
+   * The server's time belongs to the middle of the round trip; the shortest trip of late tells best.
+   * @param {MessageOf["Heartbeat"]} message
+   * @param {number} now
+   */
   #clock({ body, utc_ms }, now) {
     if (!this.beat || body.request_id !== this.beat.id) return;
     const trip = now - this.beat.sent_ms;
@@ -208,12 +254,12 @@ export class Link {
     const now = performance.now();
     if (now - this.greeted_ms > GIVE_UP_MS) this.pause_ms = FIRST_PAUSE_MS; // a connection that lasts
     if (!this.beat || now - this.beat.sent_ms > 4 * BEAT_MS) {
-      if (!this.beat && now - (this.beaten_ms ?? 0) < BEAT_MS) return;
+      if (!this.beat && now - this.beaten_ms < BEAT_MS) return;
       this.beaten_ms = now;
       this.beat = { id: String(this.nextRequest++), sent_ms: now };
       this.#send("Heartbeat", { request_id: this.beat.id, answer_wanted: true });
     }
-    const silent_ms = now - Math.max(this.heard_ms, this.shown_ms ?? 0);
+    const silent_ms = now - Math.max(this.heard_ms, this.shown_ms);
     if (document.hidden) this.shown_ms = now; // a hidden page's clock runs in jumps
     else if (silent_ms > GIVE_UP_MS) this.#ended();
     else if (silent_ms > SILENCE_MS && this.isLive) this.#say("silent");
@@ -224,6 +270,7 @@ export class Link {
     this.#later("lost", "");
   }
 
+  /** @param {LinkState["kind"]} kind @param {string} text @param {number} [pause_ms] */
   #later(kind, text, pause_ms) {
     const pause = pause_ms ?? this.pause_ms;
     if (pause_ms === undefined) this.pause_ms = Math.min(2 * this.pause_ms, LONGEST_PAUSE_MS);
@@ -246,8 +293,9 @@ export class Link {
     this.waiting.clear();
   }
 
+  /** @param {LinkState["kind"]} kind */
   #say(kind, text = "", retry_ms = 0) {
     this.state = { kind, text, retry_ms };
-    this.heard.state(this.state);
+    this.emit("state", this.state);
   }
 }

@@ -19,7 +19,15 @@ const TURN = 2 * Math.PI;
  * @property {boolean} slant distances are slant ranges; else places on the ground
  */
 
-/** @returns {[number, number]} east and north of a place on the picture, in pixels from its upper left corner */
+/** @typedef {import("./placement.js").Point} Point @typedef {import("./placement.js").Placement} Placement */
+
+/**
+ * East and north of a place on the picture, in pixels from its upper left corner.
+ * @param {View} view
+ * @param {number} px
+ * @param {number} py
+ * @returns {Point}
+ */
 export function onPlane(view, px, py) {
   const right = view.right_m + (px - view.width / 2) * view.pixel_m;
   const ahead = view.ahead_m - (py - view.height / 2) * view.pixel_m;
@@ -27,7 +35,7 @@ export function onPlane(view, px, py) {
   return [right * Math.cos(u) + ahead * Math.sin(u), ahead * Math.cos(u) - right * Math.sin(u)];
 }
 
-/** @returns {[number, number]} pixels of a place on the plane */
+/** Pixels of a place on the plane. @param {View} view @param {number} east_m @param {number} north_m @returns {Point} */
 export function onPicture(view, east_m, north_m) {
   const u = view.up_deg * DEGREE;
   const right = east_m * Math.cos(u) - north_m * Math.sin(u);
@@ -35,7 +43,7 @@ export function onPicture(view, east_m, north_m) {
   return [view.width / 2 + (right - view.right_m) / view.pixel_m, view.height / 2 - (ahead - view.ahead_m) / view.pixel_m];
 }
 
-/** The angle of (x, y) clockwise from +y. Abramowitz and Stegun 4.4.49, within 2e-8 rad. */
+/** The angle of (x, y) clockwise from +y. Abramowitz and Stegun 4.4.49, within 2e-8 rad. @param {number} x @param {number} y */
 function bearingOf(x, y) {
   const ax = Math.abs(x);
   const ay = Math.abs(y);
@@ -60,7 +68,7 @@ export class BinTable {
   }
 
   /**
-   * @param {import("./placement.js").Placement} placement
+   * @param {Placement} placement
    * @param {View} view
    */
   build(placement, view) {
@@ -116,7 +124,7 @@ export class BinTable {
 
   /**
    * Of a B-scope: azimuths from left to right, ranges upwards.
-   * @param {import("./placement.js").Placement} placement
+   * @param {Placement} placement
    * @param {View} view
    * @param {{left: number, right: number, top: number, bottom: number}} box pixels of its edges
    */
@@ -140,6 +148,7 @@ export class BinTable {
     this.#sort(count, size, azimuths);
   }
 
+  /** @param {number} most pixels */
   #reserve(most) {
     if (this.scratch.pixels.length >= most) return;
     this.scratch = { pixels: new Int32Array(most), bins: new Int32Array(most), rows: new Uint16Array(most) };
@@ -147,6 +156,7 @@ export class BinTable {
     this.bins = new Int32Array(most);
   }
 
+  /** @param {Int32Array} count [azimuth + 1] pixels @param {number} size @param {number} azimuths */
   #sort(count, size, azimuths) {
     const { pixels, bins, rows } = this.scratch;
     for (let row = 0; row < azimuths; ++row) count[row + 1] += count[row];
@@ -159,14 +169,18 @@ export class BinTable {
     this.size = size;
   }
 
-  /** The bin under a pixel, or -1. For tests: it looks at every pixel. */
+  /** The bin under a pixel, or -1. For tests: it looks at every pixel. @param {number} pixel */
   binAt(pixel) {
     const k = this.pixels.subarray(0, this.size).indexOf(pixel);
     return k < 0 ? -1 : this.bins[k];
   }
 }
 
-/** Exact at every LATTICE-th pixel: slant range^2 less distance^2, and bearing less direction. */
+/**
+ * Exact at every LATTICE-th pixel: slant range^2 less distance^2, and bearing less direction.
+ * @param {Placement} placement
+ * @param {View} view
+ */
 function latticeOf(placement, view) {
   const columns = Math.ceil(view.width / LATTICE) + 2;
   const rows = Math.ceil(view.height / LATTICE) + 2;

@@ -15,17 +15,33 @@ const HALO = "rgba(7, 11, 14, 0.85)";
 const PLATE = "rgba(7, 11, 14, 0.78)"; // below a name
 const LEAST_SPEED_MPS = 0.3; // with a leader
 
+/** In the page's pixels. @typedef {[number, number]} Point @typedef {import("./ppi.js").Box} Box */
+/** A mark that lies on the picture. @typedef {{record: TargetRecord, at: Point}} Mark */
+
+/**
+ * @typedef {object} TargetsShown what marks say of targets
+ * @property {string} chosen
+ * @property {{ppi: Ppi, at: Point}|null} dragged
+ * @property {{ppi: Ppi, bearing_deg: number, range_m: number}|null} fresh
+ * @property {(id: string) => string} nameOf
+ * @property {(id: string) => import("./target_route.js").RoutePoint[]} pointsAhead
+ * @property {(id: string) => boolean} loops
+ * @property {(id: string, truth: import("./truth.js").Truth) => import("./truth.js").Velocity|null} velocityOf
+ */
+
 /** @typedef {import("./ppi.js").Ppi} Ppi @typedef {import("./truth.js").TargetRecord} TargetRecord */
 
-/** Whether a place lies on the picture: on a B-scope within its axes. */
+/** Of the picture; on a B-scope of its axes. @param {Ppi} ppi */
 const edges = (ppi) => (ppi.look.bscope ? ppi.box : { left: 0, right: ppi.width, top: 0, bottom: ppi.height });
+/** @param {Ppi} ppi @param {Point} at */
 function isOn(ppi, [x, y]) {
   const { left, right, top, bottom } = edges(ppi);
   return x >= left && x <= right && y >= top && y <= bottom;
 }
 
-/** Records that lie on the picture, with their pixels. @param {Ppi} ppi @returns {{record: TargetRecord, at: [number, number]}[]} */
+/** Records that lie on the picture, with their pixels. @param {Ppi} ppi */
 function placed(ppi) {
+  /** @type {Mark[]} */
   const found = [];
   for (const record of ppi.truth.records.values()) {
     const at = ppi.screenOf(record.bearing_deg, record.range_m);
@@ -35,9 +51,10 @@ function placed(ppi) {
   return found;
 }
 
-/** The target under a place of the picture; null: none. @param {Ppi} ppi */
+/** The target under a place of the picture; null: none. @param {Ppi} ppi @param {number} x @param {number} y */
 export function targetAt(ppi, x, y) {
   if (!ppi.truth) return null;
+  /** @type {string|null} */
   let best = null;
   let least = NEAR_PX;
   for (const { record, at } of placed(ppi)) {
@@ -50,7 +67,7 @@ export function targetAt(ppi, x, y) {
 /**
  * @param {Ppi} ppi
  * @param {CanvasRenderingContext2D} c
- * @param {import("./targets.js").Targets} targets
+ * @param {TargetsShown} targets
  */
 export function drawTargets(ppi, c, targets) {
   const shown = placed(ppi);
@@ -75,6 +92,7 @@ export function drawTargets(ppi, c, targets) {
   c.restore();
 }
 
+/** @param {CanvasRenderingContext2D} c @param {Point} at @param {number} side */
 function diamond(c, [x, y], side) {
   c.beginPath();
   c.moveTo(x, y - side);
@@ -84,6 +102,7 @@ function diamond(c, [x, y], side) {
   c.closePath();
 }
 
+/** @param {CanvasRenderingContext2D} c @param {string} colour @param {number[]} dashes */
 function outline(c, colour, dashes = []) {
   c.setLineDash([]);
   [c.strokeStyle, c.lineWidth] = [HALO, 3.5];
@@ -94,10 +113,16 @@ function outline(c, colour, dashes = []) {
   c.setLineDash([]);
 }
 
-const isIn = ({ azimuth_bin, range_bin }) => azimuth_bin >= 0 && range_bin >= 0;
-const colourOf = (record) => (isIn(record) && record.share > 0 ? SEEN : DIM);
+const isIn = (/** @type {TargetRecord} */ { azimuth_bin, range_bin }) => azimuth_bin >= 0 && range_bin >= 0;
+const colourOf = (/** @type {TargetRecord} */ record) => (isIn(record) && record.share > 0 ? SEEN : DIM);
 
-/** Filled as far as it is seen: all, its lower half, nothing. One beside sector and swath is small. */
+/**
+ * Filled as far as it is seen: all, its lower half, nothing. One beside sector and swath is small.
+ * @param {CanvasRenderingContext2D} c
+ * @param {Point} at
+ * @param {TargetRecord} record
+ * @param {boolean} isChosen
+ */
 function mark(c, [x, y], record, isChosen) {
   const { share } = record;
   const colour = colourOf(record);
@@ -126,13 +151,20 @@ function mark(c, [x, y], record, isChosen) {
   outline(c, CHOSEN);
 }
 
+/** @param {CanvasRenderingContext2D} c @param {string} colour @param {Point[]} points @param {number[]} dashes */
 function lines(c, colour, points, dashes = []) {
   c.beginPath();
   for (const point of points) c.lineTo(...point);
   outline(c, colour, dashes);
 }
 
-/** To where it will be in a minute. */
+/**
+ * To where it will be in a minute.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ * @param {Mark} mark
+ * @param {TargetsShown} targets
+ */
 function leader(ppi, c, { record, at }, targets) {
   const velocity = targets.velocityOf(record.id, ppi.truth);
   if (!velocity || Math.hypot(velocity.north, velocity.east) < LEAST_SPEED_MPS) return;
@@ -142,7 +174,13 @@ function leader(ppi, c, { record, at }, targets) {
   lines(c, colourOf(record), [at, end]);
 }
 
-/** @param {{latitude_deg: number, longitude_deg: number}[]} points still ahead @param {boolean} loops back to its first place, near where it is */
+/**
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ * @param {Mark} mark
+ * @param {import("./target_route.js").RoutePoint[]} points still ahead
+ * @param {boolean} loops back to its first place, near where it is
+ */
 function route(ppi, c, { record, at }, points, loops) {
   if (!points.length) return;
   const pixels = points.map(({ latitude_deg, longitude_deg }) => {
@@ -158,7 +196,8 @@ function route(ppi, c, { record, at }, points, loops) {
   }
 }
 
-const corners = new WeakMap(); // of a picture: where its corners have words
+/** Of a picture: where its corners have words. @type {WeakMap<Element, {boxes: import("./ppi.js").Box[], at_ms: number}>} */
+const corners = new WeakMap();
 
 /** @param {Ppi} ppi @returns {import("./ppi.js").Box[]} */
 function cornersOf({ element, look }) {
@@ -172,12 +211,20 @@ function cornersOf({ element, look }) {
   return boxes;
 }
 
-/** Beside their marks, where no other word and no mark stands; the chosen one's first, then those that the radar looks at. */
+/**
+ * Beside their marks, where no other word and no mark stands; the chosen one's first, then those that the radar looks at.
+ * @param {Ppi} ppi
+ * @param {CanvasRenderingContext2D} c
+ * @param {Mark[]} shown
+ * @param {TargetsShown} targets
+ */
 function names(ppi, c, shown, targets) {
+  /** @type {Box[]} */
   const taken = shown.map(({ at: [x, y] }) => ({ left: x - SIDE_PX, right: x + SIDE_PX, top: y - SIDE_PX, bottom: y + SIDE_PX }));
   taken.push(...ppi.words, ...cornersOf(ppi));
+  /** @param {Box} a @param {Box} b */
   const meets = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-  const rank = ({ record }) => (record.id === targets.chosen ? 2 : isIn(record) ? 1 : 0);
+  const rank = (/** @type {Mark} */ { record }) => (record.id === targets.chosen ? 2 : isIn(record) ? 1 : 0);
   const order = [...shown].sort((a, b) => rank(b) - rank(a)).slice(0, MOST_NAMES);
   const { left, right, top, bottom } = edges(ppi);
   c.textAlign = "left";
@@ -186,8 +233,9 @@ function names(ppi, c, shown, targets) {
     const text = targets.nameOf(record.id);
     const width = c.measureText(text).width;
     const off = SIDE_PX + (record.id === targets.chosen ? 11 : 7);
+    /** @type {Point[]} */
     const places = [[x + off, y - 9], [x + off, y + 9], [x - off - width, y - 9], [x - off - width, y + 9], [x - width / 2, y - off - 8], [x - width / 2, y + off + 8]];
-    const box = places.map(([x0, middle]) => ({ left: x0 - 3, right: x0 + width + 3, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: [x0, middle] }))
+    const box = places.map(([x0, middle]) => ({ left: x0 - 3, right: x0 + width + 3, top: middle - LINE_PX / 2, bottom: middle + LINE_PX / 2, at: /** @type {Point} */ ([x0, middle]) }))
       .find((one) => one.left > left && one.right < right && one.top > top && one.bottom < bottom && !taken.some((other) => meets(one, other)));
     if (!box) continue;
     taken.push(box);

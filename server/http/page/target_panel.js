@@ -1,5 +1,6 @@
 // The tab Targets: switch, claim, what is known of the chosen target, the form of a new one, the list of all.
 
+import { $, buttonOf, inputOf, make } from "./dom.js";
 import { UNIT_M } from "./grid.js";
 import { bearingText, distanceText } from "./readout.js";
 import { number } from "./messages.js";
@@ -8,6 +9,10 @@ import { pointsOf } from "./target_route.js";
 
 export const KNOT_MPS = 1852 / 3600;
 const MOST_LISTED = 200;
+/** @type {Record<import("../wire.js").HeightReference, string>} */
+const OVER = { DATUM: "above datum", GROUND: "above ground", ELLIPSOID: "above ellipsoid" };
+/** @type {Record<string, string>} */
+const SEEN_WORDS = { out: "beside what the radar looks at", no: "hidden", part: "seen in part", all: "seen" };
 const KEY = ["Delete", "take the chosen target away"];
 
 const TAB = `<button role="tab" id="tab-targets" aria-controls="targets" aria-selected="false" tabindex="-1">Targets</button>`;
@@ -36,31 +41,57 @@ const MARKUP = `
 </div>
 <div id="target-list" role="listbox" aria-label="Targets"></div>`;
 
-const $ = (id) => document.getElementById(id);
+/**
+ * @typedef {object} Parts what targets and their tab use of the page
+ * @property {import("./stream.js").Link} link
+ * @property {import("./pictures.js").Pictures} pictures
+ * @property {import("./look.js").Look} look
+ * @property {import("./debrief.js").Debrief} debrief
+ * @property {import("./tabs.js").Tabs} tabs
+ */
 
-/** A number as it was typed. */
+/**
+ * @typedef {object} FormFields
+ * @property {HTMLInputElement} name
+ * @property {HTMLSelectElement} type
+ * @property {HTMLInputElement} rcs_dbsm
+ * @property {HTMLInputElement} speed
+ * @property {HTMLInputElement} course
+ * @property {HTMLInputElement} height_m
+ */
+
+/** Keys are the page's again. */
+function blur() {
+  if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
+}
+
+/** A number as it was typed. @param {string} text @param {string} name */
 function typed(text, name) {
   const value = Number(text);
   if (text.trim() === "" || !Number.isFinite(value)) throw new Error(`${name}: found ${text.trim() || "no number"}; allowed: a number`);
   return value;
 }
 
-const knots = (mps) => +(mps / KNOT_MPS).toPrecision(3);
+const knots = (/** @type {number} */ mps) => +(mps / KNOT_MPS).toPrecision(3);
 
 export class TargetPanel {
-  /** @param {import("./targets.js").Targets} targets */
-  constructor(targets) {
+  /** @param {import("./targets.js").Targets} targets @param {Parts} parts */
+  constructor(targets, { link, pictures, look, debrief, tabs }) {
     this.targets = targets;
-    const { app } = targets;
+    this.link = link;
+    this.pictures = pictures;
+    this.look = look;
+    this.debrief = debrief;
+    this.tabs = tabs;
+    this.factsText = this.routeKey = this.listText = ""; // as they are shown
     document.querySelector("nav").insertAdjacentHTML("beforeend", TAB);
-    this.section = document.createElement("section");
-    this.section.id = "targets";
-    this.section.hidden = true;
+    this.section = make("section", { id: "targets", hidden: true });
     this.section.setAttribute("role", "tabpanel");
     this.section.setAttribute("aria-labelledby", "tab-targets");
     this.section.innerHTML = MARKUP;
     document.querySelector("aside").append(this.section);
-    this.form = $("target-form");
+    this.form = /** @type {HTMLFormElement} */ ($("target-form"));
+    this.entries = /** @type {HTMLFormControlsCollection & FormFields} */ (this.form.elements);
     $("targets-on").onclick = () => targets.toggle();
     $("targets-set").onclick = () => targets.toggleClaim();
     $("target-cancel").onclick = () => this.#cancel();
@@ -68,28 +99,27 @@ export class TargetPanel {
     $("route-loops").onchange = () => targets.changeRoute({ loops: this.routeLoops });
     $("route-speed").onchange = () => this.#try(() => targets.changeRoute({ speed_m_s: this.routeSpeed_m_s }));
     $("route-end").onclick = () => targets.endRoute();
-    this.form.elements.type.onchange = () => this.#type();
+    this.entries.type.onchange = () => this.#type();
     this.form.onsubmit = (event) => {
       event.preventDefault();
       this.#try(() => targets.add(this.#read()));
     };
     this.form.onkeydown = ({ key }) => key === "Escape" && this.#cancel();
-    this.keyRow = $("key-table").insertRow();
+    this.keyRow = /** @type {HTMLTableElement} */ ($("key-table")).insertRow();
     for (const text of KEY) this.keyRow.insertCell().textContent = text;
-    if (app.kept.tab === "targets") app.controls.tab("targets");
+    tabs.added("targets");
   }
 
   remove() {
-    const { app } = this.targets;
     for (const element of [$("tab-targets"), this.section, this.keyRow]) element.remove();
-    app.controls.tab(app.tab);
+    this.tabs.show(this.tabs.current);
   }
 
   open() {
-    this.targets.app.controls.tab("targets");
+    this.tabs.show("targets");
   }
 
-  /** What is typed wrong is said, and not sent. */
+  /** What is typed wrong is said, and not sent. @param {() => Promise<unknown>|void} what */
   async #try(what) {
     try {
       await what();
@@ -103,23 +133,24 @@ export class TargetPanel {
 
   ask() {
     this.show();
-    this.form.elements.name.focus({ preventScroll: true });
-    this.form.elements.name.select();
+    this.entries.name.focus({ preventScroll: true });
+    this.entries.name.select();
   }
 
   /** It may be clicked again at once. */
   added() {
-    this.form.elements.name.value = "";
-    document.activeElement?.blur?.();
+    this.entries.name.value = "";
+    blur();
   }
 
   #cancel() {
     this.targets.cancel();
-    document.activeElement?.blur?.();
+    blur();
   }
 
+  /** @returns {import("../wire.js").Target} */
   #read() {
-    const { name, type, rcs_dbsm, speed, course, height_m } = this.form.elements;
+    const { name, type, rcs_dbsm, speed, course, height_m } = this.entries;
     const speed_m_s = typed(speed.value, "speed") * KNOT_MPS;
     const course_rad = typed(course.value, "course") * DEGREE;
     return {
@@ -130,13 +161,13 @@ export class TargetPanel {
   }
 
   #type() {
-    const { type, rcs_dbsm } = this.form.elements;
+    const { type, rcs_dbsm } = this.entries;
     const found = this.targets.types.find(({ name }) => name === type.value);
     rcs_dbsm.placeholder = found ? String(+number(found.rcs_dbsm).toFixed(1)) : "";
   }
 
   #types() {
-    const { type } = this.form.elements;
+    const { type } = this.entries;
     const names = ["", ...this.targets.types.map(({ name }) => name)];
     if ([...type.options].map(({ value }) => value).join("\n") === names.join("\n")) return;
     type.replaceChildren(...names.map((name) => new Option(name || "none", name)));
@@ -146,23 +177,23 @@ export class TargetPanel {
   // ---- The route of the chosen one
 
   get routeLoops() {
-    return $("route-loops").checked;
+    return inputOf("route-loops").checked;
   }
   get routeSpeed_m_s() {
-    return typed($("route-speed").value, "speed on the route") * KNOT_MPS;
+    return typed(inputOf("route-speed").value, "speed on the route") * KNOT_MPS;
   }
 
   // ---- What is shown
 
   show() {
     const { targets } = this;
-    const { holds, controller, isOn, mayClaim, app, fresh } = targets;
-    const isAdmin = app.link.welcome?.role === "admin";
+    const { holds, controller, isOn, mayClaim, fresh } = targets;
+    const isAdmin = this.link.welcome?.role === "admin";
     const why = !mayClaim ? "You may look; to set targets takes a token of a controller"
-      : app.debrief?.state ? "A recording is as it was: nothing of it can be set"
+      : this.debrief.isOn ? "A recording is as it was: nothing of it can be set"
       : controller && !holds && !isAdmin ? `${controller} sets targets; only an admin may take over` : !isOn ? "Show targets first" : "";
     $("targets-on").setAttribute("aria-pressed", String(Boolean(isOn)));
-    const set = $("targets-set");
+    const set = buttonOf("targets-set");
     set.textContent = holds ? "Done" : controller ? "Take over" : "Set targets";
     set.disabled = Boolean(why) && !holds;
     set.title = holds ? "Let others set targets" : why || "Only one client at a time sets targets";
@@ -187,33 +218,31 @@ export class TargetPanel {
     if (this.factsText !== text) {
       this.factsText = text;
       this.section.querySelector(".facts").replaceChildren(...facts.flatMap(([name, value]) => {
-        const [term, data] = [document.createElement("dt"), document.createElement("dd")];
-        [term.textContent, data.textContent] = [name, value];
-        return [term, data];
+        return [make("dt", {}, name), make("dd", {}, value)];
       }));
     }
     $("target-route").hidden = $("target-remove").hidden = !targets.holds;
-    $("route-end").disabled = !target.route;
+    buttonOf("route-end").disabled = !target.route;
     const key = `${targets.chosen} ${JSON.stringify(target.route)}`;
     if (this.routeKey === key) return;
     this.routeKey = key;
-    $("route-loops").checked = Boolean(target.route?.loops);
+    inputOf("route-loops").checked = Boolean(target.route?.loops);
     const last = pointsOf(target).at(-1);
     const speed = Math.hypot(number(target.velocity_north_m_s), number(target.velocity_east_m_s));
-    $("route-speed").value = String(knots(last ? last.speed_m_s : speed || 20 * KNOT_MPS));
+    inputOf("route-speed").value = String(knots(last ? last.speed_m_s : speed || 20 * KNOT_MPS));
   }
 
+  /** @param {import("./targets.js").Known} target */
   #facts(target) {
-    const { targets } = this;
-    const { app } = targets;
-    const { ppi } = app.panes[0];
+    const { targets, look } = this;
+    const { ppi } = this.pictures.first;
     const record = ppi.truth?.records.get(target.id);
     const velocity = ppi.truth && targets.velocityOf(target.id, ppi.truth);
     const speed = velocity && Math.hypot(velocity.north, velocity.east);
-    const reference = { GROUND: "above ground", ELLIPSOID: "above ellipsoid" }[target.height_reference] ?? "above datum";
+    const reference = OVER[target.height_reference ?? "DATUM"];
     const facts = [["Name", targets.nameOf(target.id)]];
     if (target.type) facts.push(["Type", target.type]);
-    if (record) facts.push(["At", `${bearingText(record.bearing_deg)} T  ${distanceText(record.range_m, app.look.unit)}`]);
+    if (record) facts.push(["At", `${bearingText(record.bearing_deg)} T  ${distanceText(record.range_m, look.unit)}`]);
     facts.push(["Height", `${number(target.height_m).toFixed(0)} m ${reference}`]);
     if (speed !== null && speed !== undefined)
       facts.push(["Goes", speed < 0.05 ? "stands" : `${bearingText(turned(Math.atan2(velocity.east, velocity.north) / DEGREE))} T  ${(speed / KNOT_MPS).toFixed(0)} kt`]);
@@ -227,37 +256,35 @@ export class TargetPanel {
   }
 
   #list() {
-    const { targets } = this;
-    const { app } = targets;
-    const { ppi } = app.panes[0];
+    const { targets, look } = this;
+    const { ppi } = this.pictures.first;
     const all = targets.isOn ? [...targets.list.values()] : [];
     const rows = all.slice(0, MOST_LISTED).map((target) => {
       const record = ppi.truth?.records.get(target.id);
       return { id: target.id, name: targets.nameOf(target.id), share: record && record.azimuth_bin >= 0 && record.range_bin >= 0 ? record.share : -1,
-        at: record ? `${String(Math.round(turned(record.bearing_deg)) % 360).padStart(3, "0")}° ${(record.range_m / UNIT_M[app.look.unit]).toFixed(1)} ${app.look.unit}` : "–" };
+        at: record ? `${String(Math.round(turned(record.bearing_deg)) % 360).padStart(3, "0")}° ${(record.range_m / UNIT_M[look.unit]).toFixed(1)} ${look.unit}` : "–" };
     });
     const list = $("target-list");
     const text = [...rows.map(({ id }) => id), all.length].join();
     if (this.listText !== text) {
       this.listText = text;
       list.replaceChildren(...rows.map(({ id }) => this.#item(id)));
-      if (all.length > rows.length) list.append(Object.assign(document.createElement("p"), { className: "hint", textContent: `and ${all.length - rows.length} more` }));
+      if (all.length > rows.length) list.append(make("p", { className: "hint" }, `and ${all.length - rows.length} more`));
     }
     for (const [k, { id, name, share, at }] of rows.entries()) {
-      const item = list.children[k];
+      const item = /** @type {HTMLElement} */ (list.children[k]);
       item.setAttribute("aria-selected", String(id === targets.chosen));
       item.dataset.seen = share < 0 ? "out" : share === 0 ? "no" : share < 0.999 ? "part" : "all";
-      item.title = { out: "beside what the radar looks at", no: "hidden", part: "seen in part", all: "seen" }[item.dataset.seen];
+      item.title = SEEN_WORDS[item.dataset.seen];
       for (const [n, words] of [name, at].entries()) if (item.children[n].textContent !== words) item.children[n].textContent = words;
     }
   }
 
+  /** @param {string} id */
   #item(id) {
-    const item = document.createElement("button");
+    const item = make("button", { onclick: () => this.targets.choose(id) }, make("span"), make("span"));
     item.setAttribute("role", "option");
     item.dataset.id = id;
-    item.append(document.createElement("span"), document.createElement("span"));
-    item.onclick = () => this.targets.choose(id);
     return item;
   }
 }

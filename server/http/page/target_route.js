@@ -11,7 +11,10 @@ import { inverse } from "./placement.js";
  * @property {number} speed_m_s on the way to it
  */
 
-/** @param {any} target of a TargetList @returns {RoutePoint[]} all of its points */
+/** @typedef {{latitude_deg: number, longitude_deg: number}} LatLon */
+/** @typedef {{from: LatLon, to: RoutePoint, m: number, s: number}} Way from one point to the next: metres and seconds */
+
+/** @param {import("../wire.js").Target} target @returns {RoutePoint[]} all of its points */
 export function pointsOf({ route, height_m }) {
   const speeds = route?.speed_m_s ?? [];
   return (route?.latitude_deg ?? []).map((latitude_deg, k) => ({
@@ -20,9 +23,15 @@ export function pointsOf({ route, height_m }) {
   }));
 }
 
+/** In metres. @param {LatLon} from @param {LatLon} to */
 const length = (from, to) => Math.hypot(...inverse(from.latitude_deg, from.longitude_deg, to.latitude_deg, to.longitude_deg));
 
-/** How many of the ways it has behind it, so long after it was at their beginning. */
+/**
+ * How many of the ways it has behind it, so long after it was at their beginning.
+ * @param {Way[]} ways
+ * @param {number} age_s
+ * @param {boolean} loops
+ */
 function passedBy(ways, age_s, loops) {
   const round_s = ways.reduce((sum, { s }) => sum + s, 0);
   let left_s = loops && round_s > 0 ? age_s % round_s : age_s;
@@ -31,7 +40,7 @@ function passedBy(ways, age_s, loops) {
   return passed;
 }
 
-/** The way that it is on by where it is: that which is the least detour. */
+/** The way that it is on by where it is: that which is the least detour. @param {Way[]} ways @param {LatLon} here */
 function wayAt(ways, here) {
   const detours = ways.map(({ from, to, m }) => length(from, here) + length(here, to) - m);
   return detours.indexOf(Math.min(...detours));
@@ -39,9 +48,9 @@ function wayAt(ways, here) {
 
 /**
  * The points that it has not reached, in their order; of a loop all, the next one first.
- * @param {any} target of a TargetList
+ * @param {import("../wire.js").Target} target
  * @param {number|null} age_s since it was at its place; null: no clock says it
- * @param {{latitude_deg: number, longitude_deg: number}|undefined} here where it is
+ * @param {LatLon|undefined} here where it is
  * @returns {RoutePoint[]}
  */
 export function pointsAhead(target, age_s, here) {
@@ -49,7 +58,8 @@ export function pointsAhead(target, age_s, here) {
   if (!points.length) return points;
   const start = { latitude_deg: number(target.latitude_deg), longitude_deg: number(target.longitude_deg) };
   const loops = Boolean(target.route.loops);
-  const stops = loops ? [...points, { ...start, speed_m_s: points.at(-1).speed_m_s }] : points;
+  /** @type {RoutePoint[]} */
+  const stops = loops ? [...points, { ...start, height_m: 0, speed_m_s: points.at(-1).speed_m_s }] : points;
   const ways = stops.map((to, k) => {
     const from = stops[k - 1] ?? start;
     const m = length(from, to);
@@ -63,6 +73,6 @@ export function pointsAhead(target, age_s, here) {
 
 /** @param {RoutePoint[]} points @param {boolean} loops */
 export function routeOf(points, loops) {
-  const list = (key) => points.map((point) => point[key]);
+  const list = (/** @type {keyof RoutePoint} */ key) => points.map((point) => point[key]);
   return { latitude_deg: list("latitude_deg"), longitude_deg: list("longitude_deg"), height_m: list("height_m"), speed_m_s: list("speed_m_s"), loops };
 }

@@ -23,34 +23,54 @@ const FAINTEST = 0.3;
 const NEVER = -1e9;
 const MINUTE_MS = 60000;
 
-/** By palette, another hue than its own. */
+/** By palette, another hue than its own. @type {Record<string, import("./palettes.js").Colour>} */
 const HUES = { green: [96, 132, 255], grey: [88, 140, 255], amber: [80, 160, 255], viridis: [255, 110, 150] };
 
+/** @typedef {import("./placement.js").Point} Point here also latitude and longitude */
+
 export class Trails {
-  /** @param {import("./pane.js").Pane} pane */
-  constructor(pane) {
-    this.pane = pane;
-    this.canvas = null; // while there are trails
+  /**
+   * @param {import("./bins.js").Bins} bins
+   * @param {import("./ppi.js").Ppi} ppi
+   * @param {import("./look.js").Look} look
+   * @param {import("./debrief.js").Debrief} debrief
+   */
+  constructor(bins, ppi, look, debrief) {
+    this.bins = bins;
+    this.ppi = ppi;
+    this.look = look;
+    this.debrief = debrief;
+    /** While there are trails. @type {HTMLCanvasElement|null} */
+    this.canvas = null;
+    this.settings = ""; // that the video was made with
+    this.kind = ""; // of the trails
+    /** What the grid shows of the plane. @type {import("./table.js").View|null} */
+    this.view = null;
+    /** The grid's middle, and its cells. @type {{at: Point, cell_m: number}|null} */
+    this.origin = null;
     this.clear();
   }
 
   get length_ms() {
-    return this.pane.app.look.trails * MINUTE_MS;
+    return this.look.trails * MINUTE_MS;
   }
 
   /** Nothing was seen yet. */
   clear() {
+    /** [cell] seconds when its echo last stood out. @type {Float32Array|null} */
     this.stamps = null;
+    /** [azimuth] when it was last looked at. @type {Float64Array|null} */
     this.rows = null;
+    /** Of the grid's cells. @type {string} */
     this.key = "";
+    /** The view of the picture that they are drawn for. @type {import("./table.js").View|null} */
     this.drawn = null;
     this.stepped_ms = -Infinity;
   }
 
-  /** Of what is seen: a recording's own time. */
+  /** Of what is seen: a recording's own time. @param {number} now_ms */
   #clock_ms(now_ms) {
-    const { debrief } = this.pane.app;
-    return debrief?.state ? 1000 * debrief.position_s : now_ms;
+    return this.debrief.isOn ? 1000 * this.debrief.position_s : now_ms;
   }
 
   /** @param {number} now_ms @param {boolean} isHeld nothing new is shown */
@@ -59,7 +79,7 @@ export class Trails {
       if (this.canvas) this.#remove();
       return;
     }
-    const { bins, ppi } = this.pane;
+    const { bins, ppi } = this;
     if (!bins.placement || !ppi.image) return;
     this.#begin();
     const isDue = !isHeld && now_ms - this.stepped_ms >= STEP_MS;
@@ -76,10 +96,12 @@ export class Trails {
     if (!this.canvas) {
       this.canvas = document.createElement("canvas");
       this.canvas.className = "trails";
-      this.pane.ppi.canvases[0].after(this.canvas);
+      this.ppi.canvases[0].after(this.canvas);
       this.grid = new OffscreenCanvas(CELLS, CELLS);
       this.context = this.grid.getContext("2d");
+      /** @type {ImageData} */
       this.image = this.context.createImageData(CELLS, CELLS);
+      /** Its pixels. @type {Uint32Array} */
       this.out = new Uint32Array(this.image.data.buffer);
       this.table = new BinTable();
     }
@@ -102,12 +124,13 @@ export class Trails {
 
   /** The grid's cells and middle, where antenna, range or kind of trail have changed. */
   #follow() {
-    const { bins: { placement }, app: { look } } = this.pane;
-    const isSlant = this.pane.ppi.isSlant;
+    const { bins: { placement }, look } = this;
+    const isSlant = this.ppi.isSlant;
     const key = `${placement.key} ${isSlant} ${look.relative}`;
     if (key === this.key) return;
     this.key = key;
     const cell_m = (2 * REACH * placement.rMax_m) / CELLS;
+    /** @type {Point} */
     const here = [placement.latitude_deg, placement.longitude_deg];
     let { origin } = this;
     const kind = `${isSlant} ${look.relative}`;
@@ -129,15 +152,22 @@ export class Trails {
     this.origin = origin;
     this.view = { width: CELLS, height: CELLS, pixel_m: cell_m, right_m: east_m, ahead_m: north_m, up_deg: 0, slant: isSlant };
     this.table.build(placement, this.view);
-    if (look.relative || !this.pane.bins.scan) this.rows = null; // else an azimuth stays on the earth as it was seen
+    if (look.relative || !this.bins.scan) this.rows = null; // else an azimuth stays on the earth as it was seen
   }
 
-  /** Cells of another size, with the middle so many old cells to the right and up. */
+  /**
+   * Cells of another size, with the middle so many old cells to the right and up.
+   * @param {number} old_m
+   * @param {number} new_m
+   * @param {number} right
+   * @param {number} up
+   */
   #regrid(old_m, new_m, right, up) {
     const [k, middle] = [new_m / old_m, CELLS / 2];
     const to = Int32Array.from({ length: CELLS }, (_, x) => Math.floor(middle + (x + 0.5 - middle) * k + right));
+    /** @template {Float32Array|Uint8Array} Cells @param {Cells} was @param {number} empty @returns {Cells} */
     const moved = (was, empty) => {
-      const is = new was.constructor(CELLS * CELLS).fill(empty);
+      const is = /** @type {Cells} */ (was.slice().fill(empty));
       for (let y = 0; y < CELLS; ++y) {
         const fromY = Math.floor(middle + (y + 0.5 - middle) * k - up);
         if (fromY < 0 || fromY >= CELLS) continue;
@@ -149,9 +179,9 @@ export class Trails {
     [this.usual, this.spread] = [moved(this.usual, -1), moved(this.spread, 0)];
   }
 
-  /** Azimuths that have been seen since the last look. */
+  /** Azimuths that have been seen since the last look. @param {number} clock_ms */
   #note(clock_ms) {
-    const { bins } = this.pane;
+    const { bins } = this;
     const { table: { pixels, bins: binOf, rowStart }, stamps, peaks, newest, usual, spread } = this;
     const { azimuths } = bins.placement;
     const perdB = 1 / bins.step_dB;
@@ -183,13 +213,13 @@ export class Trails {
     }
   }
 
-  /** The picture of the grid: what stood out and is gone, the fainter the older. */
+  /** The picture of the grid: what stood out and is gone, the fainter the older. @param {number} clock_ms */
   #paint(clock_ms) {
     const { stamps, peaks, newest, out } = this;
-    const gone = GONE_DB / this.pane.bins.step_dB;
+    const gone = GONE_DB / this.bins.step_dB;
     const length_s = this.length_ms / 1000;
     const now = clock_ms / 1000;
-    const colour = packed(HUES[this.pane.app.look.palette] ?? HUES.green) & 0xffffff;
+    const colour = packed(HUES[this.look.palette] ?? HUES.green) & 0xffffff;
     const shades = Uint32Array.from({ length: 256 }, (_, k) => {
       const light = FAINTEST + (1 - FAINTEST) * (1 - k / 255) ** 1.4;
       return (colour | (Math.round(235 * light) << 24)) >>> 0;
@@ -204,7 +234,7 @@ export class Trails {
 
   /** Onto the picture as it is looked at. */
   #show() {
-    const { ppi, app: { look } } = this.pane;
+    const { ppi, look } = this;
     const { view } = ppi;
     this.drawn = view;
     const { canvas } = this;
@@ -227,9 +257,9 @@ export class Trails {
     c.setTransform(1, 0, 0, 1, 0, 0);
   }
 
-  /** Of a B-scope: the cell of each place between its axes. */
+  /** Of a B-scope: the cell of each place between its axes. @param {CanvasRenderingContext2D} c */
   #showB(c) {
-    const { ppi, bins: { placement } } = this.pane;
+    const { ppi, bins: { placement } } = this;
     const k = ppi.view.width / ppi.width;
     const [left, right, top, bottom] = [ppi.box.left, ppi.box.right, ppi.box.top, ppi.box.bottom].map((side) => Math.round(side * k));
     const [width, height] = [right - left, bottom - top];

@@ -24,14 +24,14 @@ const LEADER_S = 60;
  * @property {string} hiddenBy in words
  */
 
-/** @param {any} body of a TargetBlock @param {Uint8Array} plane @returns {TargetRecord[]} */
+/** @param {import("../wire.js").TargetBlock} body @param {Uint8Array} plane @returns {TargetRecord[]} */
 export function targetRecords(body, plane) {
   const view = new DataView(plane.buffer, plane.byteOffset, plane.byteLength);
   const bytes = number(body.record_bytes);
   return Array.from({ length: number(body.records) }, (_, k) => {
     const at = k * bytes;
-    const double = (offset) => view.getFloat64(at + offset, true);
-    const float = (offset) => view.getFloat32(at + offset, true);
+    const double = (/** @type {number} */ offset) => view.getFloat64(at + offset, true);
+    const float = (/** @type {number} */ offset) => view.getFloat32(at + offset, true);
     return {
       id: String(view.getBigUint64(at, true)),
       latitude_deg: double(8), longitude_deg: double(16), height_m: double(24), bearing_deg: double(32), range_m: double(40),
@@ -57,7 +57,12 @@ export class Truth {
     this.ways.clear();
   }
 
-  /** @param {any} body of a TargetBlock @param {Uint8Array} plane @param {boolean} isDwell of an antenna that scans */
+  /**
+   * @param {import("../wire.js").TargetBlock} body
+   * @param {Uint8Array} plane
+   * @param {boolean} isDwell of an antenna that scans
+   * @param {number} now_ms
+   */
   take(body, plane, isDwell, now_ms) {
     const found = targetRecords(body, plane);
     if (isDwell) {
@@ -74,6 +79,7 @@ export class Truth {
     if (!isDwell) for (const id of this.ways.keys()) if (!this.records.has(id)) this.ways.delete(id);
   }
 
+  /** @param {TargetRecord} record @param {number} at_ms */
   #note({ id, latitude_deg, longitude_deg }, at_ms) {
     const way = this.ways.get(id) ?? [];
     way.push({ latitude_deg, longitude_deg, at_ms });
@@ -85,16 +91,17 @@ export class Truth {
   keepOnly(isThere) {
     for (const id of this.records.keys()) if (!isThere(id)) this.forget(id);
   }
+  /** @param {string} id */
   forget(id) {
     this.records.delete(id);
     this.ways.delete(id);
   }
-  /** It was put elsewhere: its way begins anew. */
+  /** It was put elsewhere: its way begins anew. @param {string} id */
   moved(id) {
     this.ways.delete(id);
   }
 
-  /** From successive records; null: not known yet. @returns {Velocity|null} */
+  /** From successive records; null: not known yet. @param {string} id @returns {Velocity|null} */
   velocityOf(id) {
     const way = this.ways.get(id);
     const [first, last] = [way?.[0], way?.at(-1)];
@@ -105,14 +112,25 @@ export class Truth {
   }
 }
 
-/** What an antenna measures of a place and height above the datum. @param {import("./placement.js").Placement} placement */
+/**
+ * What an antenna measures of a place and height above the datum.
+ * @param {import("./placement.js").Placement} placement
+ * @param {number} latitude_deg
+ * @param {number} longitude_deg
+ * @param {number} height_m
+ */
 export function measured(placement, latitude_deg, longitude_deg, height_m) {
   const [x, y, z] = placement.world.world(latitude_deg, longitude_deg, height_m);
   const [dx, dy, dz] = [x - placement.x_m, y - placement.y_m, z - placement.z_m];
   return { bearing_deg: turned((Math.atan2(dx, dz) - placement.north_rad) / DEGREE), range_m: Math.hypot(dx, dy, dz) };
 }
 
-/** Where it will be in a minute. @param {TargetRecord} record @param {Velocity} velocity */
+/**
+ * Where it will be in a minute.
+ * @param {import("./placement.js").Placement} placement
+ * @param {TargetRecord} record
+ * @param {Velocity} velocity
+ */
 export function soon(placement, { latitude_deg, longitude_deg, height_m }, { north, east }) {
   return measured(placement, ...direct(latitude_deg, longitude_deg, east * LEADER_S, north * LEADER_S), height_m);
 }
