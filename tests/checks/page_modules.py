@@ -12,14 +12,21 @@ import tempfile
 
 MOST_KNOWN = 15  # modules that one imports, or whose types it names; main.js alone knows all
 MOST_LINES = 400
-IMPORT = re.compile(r'^import .*?from "\./(\w+\.js)";', re.M | re.S)
-TYPE = re.compile(r'import\("\./(\w+\.js)"\)')
+IMPORT = re.compile(r'^import .*?from "(\.[\w./]+\.js)";', re.M | re.S)
+TYPE = re.compile(r'import\("(\.[\w./]+\.js)"\)')
 GLOBAL = re.compile(r"\b(?:globalThis|window)\.obliq\b")
+
+
+def named(folder, file, pattern):
+    """The modules below `folder` that a pattern finds in one of them, by their paths."""
+    paths = ((file.parent / found).resolve() for found in pattern.findall(file.read_text()))
+    return {path.relative_to(folder).as_posix() for path in paths if path.is_relative_to(folder)}
 
 
 def imports_of(folder):
     """By module: those that it imports."""
-    return {file.name: set(IMPORT.findall(file.read_text())) for file in sorted(folder.glob("*.js"))}
+    folder = folder.resolve()
+    return {file.relative_to(folder).as_posix(): named(folder, file, IMPORT) for file in sorted(folder.rglob("*.js"))}
 
 
 def circles(imports):
@@ -41,11 +48,12 @@ def circles(imports):
 
 def faults(folder):
     """In words, a line each."""
+    folder = folder.resolve()
     imports = imports_of(folder)
     found = [f"circle of imports: {' -> '.join([*circle, circle[0]])}" for circle in circles(imports)]
     for module, own in imports.items():
         text = (folder / module).read_text()
-        known = own | set(TYPE.findall(text))
+        known = own | named(folder, folder / module, TYPE)
         lines = text.count("\n")
         if lines > MOST_LINES:
             found.append(f"{module}: {lines} lines; allowed: {MOST_LINES}")

@@ -82,8 +82,9 @@ std::string without_empty_lines(std::string text) {
 TEST_F(HttpPageTest, EveryFileOfTheFolderIsServedWithItsTypeAndAllAreSmall) {
   int files = 0;
   std::size_t bytes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(kPage)) {
-    const std::string name = entry.path().filename();
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kPage)) {
+    if (entry.is_directory()) continue;
+    const std::string name = std::filesystem::relative(entry.path(), kPage);
     const HttpReply reply = ask(port(), "/" + name, "Host: " + here() + "\r\n");
     ASSERT_EQ(reply.status, 200) << name;
     EXPECT_EQ(without_empty_lines(reply.body), without_empty_lines(served(entry.path()))) << name;

@@ -116,7 +116,7 @@ class Placement(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.page = support.Page()
-        source = (support.ROOT / "server" / "http" / "page" / "placement.js").read_bytes()
+        source = (support.ROOT / "server" / "http" / "page" / "picture" / "placement.js").read_bytes()
         cls.source = "data:text/javascript;base64," + base64.b64encode(source).decode()
 
     def ask(self, descriptor, asked):

@@ -3,7 +3,7 @@
 import { Events } from "./events.js";
 import { Refused, refusalText } from "./stream.js";
 import { number } from "./messages.js";
-import { turned } from "./placement.js";
+import { turned } from "./picture/placement.js";
 
 const TURN_MS = 2000;
 const TAKEN = 102; // number of an Error

@@ -1,14 +1,14 @@
 // The tab Display: what is shown and how.
 
-import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./palettes.js";
+import { NOT_YET, PALETTES, STATE_WORDS, colourOf, packed, stateTiles } from "./picture/palettes.js";
 import { $, buttonOf, inputOf, make, selectOf } from "./dom.js";
 import { Events } from "./events.js";
-import { UPS } from "./heading.js";
+import { UPS } from "./picture/heading.js";
 import { labelLegend } from "./labels.js";
-import { TRAIL_MINUTES } from "./trails.js";
-import { UNIT_M } from "./grid.js";
-import { hasReceiver } from "./levels.js";
-import { turned } from "./placement.js";
+import { TRAIL_MINUTES } from "./picture/trails.js";
+import { UNIT_M } from "./picture/grid.js";
+import { hasReceiver } from "./picture/levels.js";
+import { turned } from "./picture/placement.js";
 
 const STATE_LEGENDS = ["not sampled", "", "shadow", "unknown", "too near"];
 /** @template Value @param {Value[]} values @param {Value} value */
@@ -207,8 +207,8 @@ export class Display extends Events {
 
   /**
    * The slider's ends follow the video's scale.
-   * @param {import("./bins.js").Bins} bins
-   * @param {import("./levels.js").Levels} levels
+   * @param {import("./picture/bins.js").Bins} bins
+   * @param {import("./picture/levels.js").Levels} levels
    */
   #limits(bins, { low_dB }) {
     if (!bins.placement) return;

@@ -7,7 +7,7 @@ import { number } from "./messages.js";
 const LINE_PX = 18;
 const FONT = '12px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 
-/** @typedef {import("./pane.js").Pane} Pane */
+/** @typedef {import("./picture/pane.js").Pane} Pane */
 /** @typedef {{look: import("./look.js").Look, link: import("./stream.js").Link}} Parts */
 
 const timeText = (/** @type {Pane} */ { bins }) => `${new Date(bins.newest?.utc_ms ?? 0).toISOString().slice(0, 19)}Z`;

@@ -1,14 +1,14 @@
 // What a viewer has chosen, in the URL's fragment.
 
-import { PALETTES } from "./palettes.js";
-import { UPS } from "./heading.js";
+import { PALETTES } from "./picture/palettes.js";
+import { UPS } from "./picture/heading.js";
 import { LABEL_PLANES } from "./labels.js";
-import { TRAIL_MINUTES } from "./trails.js";
+import { TRAIL_MINUTES } from "./picture/trails.js";
 
 /** What the fragment may say, and what holds without it. */
 export const DEFAULTS = {
   palette: "green", low: -80, span: 50, auto: true, low2: -80, span2: 50, auto2: true, r2: true, glow: -1,
-  up: /** @type {import("./heading.js").Wish} */ ("auto"), slant: false, unit: /** @type {import("./grid.js").Unit} */ ("km"),
+  up: /** @type {import("./picture/heading.js").Wish} */ ("auto"), slant: false, unit: /** @type {import("./picture/grid.js").Unit} */ ("km"),
   rings: true, overlay: false, label: /** @type {import("./labels.js").Label} */ (""), bscope: false, profile: false, size: 1,
   expert: false, panes: 1, a: "", b: "", tab: "view", rate: 30, targets: false, trails: 0, relative: false,
 };

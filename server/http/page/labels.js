@@ -1,7 +1,7 @@
 // Labels over the picture: what a bin's ground is, in a colour instead of its level (PROTOCOL.md, "Labels"). They come in place of
 // states, as codes: 1 shows the level, those from FIRST on have colours.
 
-import { packed } from "./palettes.js";
+import { packed } from "./picture/palettes.js";
 import { number } from "./messages.js";
 
 const LEVEL = 1;
@@ -15,7 +15,7 @@ const BANDS = 8; // of heights
  * @typedef {LabelPlane|""} Label nothing: none
  */
 
-/** @type {import("./palettes.js").Colour[]} */
+/** @type {import("./picture/palettes.js").Colour[]} */
 const COLOURS = [[214, 96, 77], [67, 147, 195], [253, 219, 120], [118, 186, 105], [160, 110, 190], [240, 160, 70], [120, 200, 200], [200, 200, 200]];
 
 const heightsOf = (/** @type {FrameDescriptor} */ { ground }) => ({ low_m: number(ground?.lowest_m), high_m: number(ground?.highest_m) });

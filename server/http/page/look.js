@@ -1,7 +1,7 @@
 // How pictures are shown: what all of them share, as the viewer has chosen it.
 
 import { Events } from "./events.js";
-import { noLines } from "./lines.js";
+import { noLines } from "./picture/lines.js";
 
 /**
  * @typedef {object} LookValues
@@ -9,12 +9,12 @@ import { noLines } from "./lines.js";
  * @property {boolean} compensated levels make up for the range, where the video may
  * @property {number} afterglow_s
  * @property {boolean} autoGlow until the beam comes again
- * @property {import("./heading.js").Wish} up
+ * @property {import("./picture/heading.js").Wish} up
  * @property {boolean} bscope azimuths across, ranges upwards, instead of places
  * @property {boolean} profile below the first picture, the ground along bearing line 1
  * @property {number} size of letters and lines: 1 as the screen has room for
  * @property {boolean} slant
- * @property {import("./grid.js").Unit} unit
+ * @property {import("./picture/grid.js").Unit} unit
  * @property {boolean} overlay
  * @property {import("./labels.js").Label} label the plane whose labels are shown; empty: none
  * @property {boolean} rings
@@ -52,7 +52,7 @@ export class Look extends Events {
     /** @type {Place|null} */
     this.cursor = null;
     this.lines = noLines();
-    /** Placed by the next click. @type {import("./lines.js").Line|null} */
+    /** Placed by the next click. @type {import("./picture/lines.js").Line|null} */
     this.armed = null;
     this.px = 1; // CSS pixels of one of the page's own
   }

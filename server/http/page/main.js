@@ -1,7 +1,7 @@
 // The page: it makes the parts and joins them. No other module knows all of them.
 
 import { $, dialogOf } from "./dom.js";
-import { Bins } from "./bins.js";
+import { Bins } from "./picture/bins.js";
 import { Bookmarks } from "./bookmarks.js";
 import { Control } from "./control.js";
 import { Debrief } from "./debrief.js";

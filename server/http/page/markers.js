@@ -1,13 +1,13 @@
 // What a viewer puts on the pictures: cursor, bearing lines and range markers.
 
 import { Events } from "./events.js";
-import { crossing, movedLines, noLines } from "./lines.js";
+import { crossing, movedLines, noLines } from "./picture/lines.js";
 
 /**
- * @typedef {import("./lines.js").Line} Line
- * @typedef {import("./lines.js").Lines} Lines
+ * @typedef {import("./picture/lines.js").Line} Line
+ * @typedef {import("./picture/lines.js").Lines} Lines
  * @typedef {import("./look.js").Place} Place
- * @typedef {import("./pane.js").Pane} Pane
+ * @typedef {import("./picture/pane.js").Pane} Pane
  */
 
 /** Lines have moved, or one waits for its place. @extends {Events<{lines: undefined}>} */
@@ -34,7 +34,7 @@ export class Markers extends Events {
     this.setCursor(ppi.fromScreen(x + dx, y + dy));
   }
 
-  /** @param {import("./lines.js").Lines} lines */
+  /** @param {import("./picture/lines.js").Lines} lines */
   setLines(lines) {
     this.look.lines = lines;
     this.look.armed = null;

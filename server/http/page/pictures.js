@@ -2,7 +2,7 @@
 
 import { $ } from "./dom.js";
 import { Events } from "./events.js";
-import { Pane } from "./pane.js";
+import { Pane } from "./picture/pane.js";
 import { Refused } from "./stream.js";
 import { applySize, sizeFor } from "./size.js";
 import { number } from "./messages.js";

@@ -1,6 +1,6 @@
 // What the A-scope and the profile share: a canvas as fine as the screen, and axes of a value over slant range.
 
-import { UNIT_M, stepOf } from "./grid.js";
+import { UNIT_M, stepOf } from "./picture/grid.js";
 
 const FONT = '11px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 export const INK = "#a9c4be";
@@ -10,7 +10,7 @@ export const BOTTOM = 16; // of the ranges'
 /**
  * Makes a canvas as fine as the screen, and empties it.
  * @param {HTMLCanvasElement} canvas
- * @param {import("./ppi.js").Look} look
+ * @param {import("./picture/ppi.js").Look} look
  * @returns {[number, number]|null} width and height; null: there is no room to draw
  */
 export function emptied(canvas, look) {
@@ -29,8 +29,8 @@ export function emptied(canvas, look) {
 /**
  * Lines and numbers at every step of a value and of slant range.
  * @param {CanvasRenderingContext2D} c
- * @param {import("./placement.js").Placement} placement
- * @param {import("./ppi.js").Look} look
+ * @param {import("./picture/placement.js").Placement} placement
+ * @param {import("./picture/ppi.js").Look} look
  * @param {{width: number, height: number, x: (slant_m: number) => number, y: (value: number) => number}} plot
  * @param {{least: number, most: number, step: number, unit: string}} values
  */

@@ -1,21 +1,21 @@
 // Pointer and touch on a picture.
 
-import { lineAt } from "./lines.js";
-import { targetAt } from "./target_marks.js";
-import { turned } from "./placement.js";
+import { lineAt } from "./picture/lines.js";
+import { targetAt } from "./picture/target_marks.js";
+import { turned } from "./picture/placement.js";
 
 const LONG_PRESS_MS = 450;
 const STILL_PX = 5;
 const NEAR_PX = 14; // of a handle
 const POSE_MS = 50; // between poses of a dragged bearing
 
-/** What moves. @typedef {"pan"|"cursor"|"bearing"|"pinch"|import("./lines.js").Line|{target: string}|null} Drag */
+/** What moves. @typedef {"pan"|"cursor"|"bearing"|"pinch"|import("./picture/lines.js").Line|{target: string}|null} Drag */
 
 /** The dragged target's id; null: another thing is dragged. @param {Drag} drag */
 const targetOf = (drag) => (drag && typeof drag === "object" && "target" in drag ? drag.target : null);
 
 /**
- * @param {import("./pane.js").Pane} pane
+ * @param {import("./picture/pane.js").Pane} pane
  * @param {object} parts
  * @param {import("./look.js").Look} parts.look
  * @param {import("./pictures.js").Pictures} parts.pictures

@@ -25,7 +25,7 @@ function switchOf(id, text, title, onclick) {
   return button;
 }
 
-/** Another range scale was set: its unit. @extends {Events<{scaled: import("./grid.js").Unit}>} */
+/** Another range scale was set: its unit. @extends {Events<{scaled: import("./picture/grid.js").Unit}>} */
 export class RadarControls extends Events {
   /**
    * @param {object} parts

@@ -2,10 +2,10 @@
 
 import { $, make, put } from "./dom.js";
 import { labelWord } from "./labels.js";
-import { STATE_WORDS } from "./palettes.js";
-import { UNIT_M } from "./grid.js";
-import { turned } from "./placement.js";
-import { between, crossing } from "./lines.js";
+import { STATE_WORDS } from "./picture/palettes.js";
+import { UNIT_M } from "./picture/grid.js";
+import { turned } from "./picture/placement.js";
+import { between, crossing } from "./picture/lines.js";
 import { number } from "./messages.js";
 
 const FRAME_SECONDS = 3; // that a rate is counted over
@@ -13,7 +13,7 @@ const SCAN_SECONDS = 12; // of passes
 const MINUTE_MS = 60000;
 const KEPT = 4096; // latencies, for the greatest of late and for benches
 
-/** @param {number} metres @param {import("./grid.js").Unit} unit */
+/** @param {number} metres @param {import("./picture/grid.js").Unit} unit */
 export const distanceText = (metres, unit) => `${(metres / UNIT_M[unit]).toFixed(2)} ${unit}`;
 export const bearingText = (/** @type {number} */ degrees) => `${(turned(Math.round(degrees * 10) / 10) % 360).toFixed(1).padStart(5, "0")}°`;
 
@@ -44,7 +44,7 @@ export class Readout {
     }
   }
 
-  /** @param {import("./pane.js").Pane} pane @param {import("./look.js").Look} look @param {boolean} isLive */
+  /** @param {import("./picture/pane.js").Pane} pane @param {import("./look.js").Look} look @param {boolean} isLive */
   show(pane, look, isLive) {
     const was = pane.info?.transmit_off || !isLive ? "was " : "";
     const at = look.cursor && pane.ppi.read(look.cursor);
@@ -129,7 +129,7 @@ export class Meter {
 
   /**
    * Several times a second, whatever the connection does.
-   * @param {import("./pane.js").Pane} pane
+   * @param {import("./picture/pane.js").Pane} pane
    * @param {object} facts
    * @param {boolean} facts.isLive
    * @param {boolean} facts.isHeld

@@ -1,6 +1,6 @@
 // Range scales: what beside the range a radar has to change for one.
 
-import { UNIT_M } from "./grid.js";
+import { UNIT_M } from "./picture/grid.js";
 import { number } from "./messages.js";
 
 const MOST_EXTENT = 256; // limits of pulse.extent_bins
@@ -28,7 +28,7 @@ export function scaled(settings, range_m) {
 export class RangeScales {
   /** @type {number[]} */
   metres = [];
-  /** @type {import("./grid.js").Unit} */
+  /** @type {import("./picture/grid.js").Unit} */
   unit = "NM";
 
   /** @param {import("./stream.js").Scales} offered @returns {boolean} whether they are others */

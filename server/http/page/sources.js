@@ -3,7 +3,7 @@
 import { buttonOf, inputOf } from "./dom.js";
 import { Events } from "./events.js";
 import { number } from "./messages.js";
-import { UNIT_M } from "./grid.js";
+import { UNIT_M } from "./picture/grid.js";
 import { scaled } from "./scales.js";
 
 /** @type {Record<string, import("../wire.js").FrustumKind>} */

@@ -50,7 +50,7 @@ export function refusalText(error, key) {
  *   QueryGround: GroundRecords, GetTargets: import("../wire.js").TargetList, GetEvents: import("../wire.js").ExerciseEvents}} Answers
  */
 /** @template {keyof Messages} Type @typedef {Type extends keyof Answers ? Answers[Type] : import("../wire.js").Ack} AnswerTo */
-/** Of range, as the server offers them. @typedef {{scales: number[], unit: import("./grid.js").Unit}} Scales */
+/** Of range, as the server offers them. @typedef {{scales: number[], unit: import("./picture/grid.js").Unit}} Scales */
 /**
  * By type each message that answers no request.
  * @typedef {MessageOf & {state: LinkState, welcome: import("../wire.js").Welcome, scales: Scales}} Said

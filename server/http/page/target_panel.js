@@ -1,10 +1,10 @@
 // The tab Targets: switch, claim, what is known of the chosen target, the form of a new one, the list of all.
 
 import { $, buttonOf, inputOf, make } from "./dom.js";
-import { UNIT_M } from "./grid.js";
+import { UNIT_M } from "./picture/grid.js";
 import { bearingText, distanceText } from "./readout.js";
 import { number } from "./messages.js";
-import { turned, DEGREE } from "./placement.js";
+import { turned, DEGREE } from "./picture/placement.js";
 import { pointsOf } from "./target_route.js";
 
 export const KNOT_MPS = 1852 / 3600;

@@ -1,7 +1,7 @@
 // A target's route as the page changes it: what of it is still ahead, worked out as the server does from its place, speeds and age.
 
 import { number } from "./messages.js";
-import { inverse } from "./placement.js";
+import { inverse } from "./picture/placement.js";
 
 /**
  * @typedef {object} RoutePoint

@@ -7,7 +7,7 @@ import { TargetPanel } from "./target_panel.js";
 import { Truth } from "./truth.js";
 import { number } from "./messages.js";
 import { pointsAhead, routeOf } from "./target_route.js";
-import { recordsOf } from "./profile.js";
+import { recordsOf } from "./picture/profile.js";
 
 const POLL_MS = 2000;
 const SOON_MS = 500; // between lists, where an unknown target comes
@@ -19,10 +19,10 @@ const TAKEN = 102; // number of an Error
 const NOT_CLAIMED = 103;
 
 /** @typedef {import("../wire.js").Target & {read_ms: number}} Known a target and when the page read it */
-/** @typedef {import("./pane.js").Pane} Pane */
+/** @typedef {import("./picture/pane.js").Pane} Pane */
 /**
  * Where a new target is to be: a bearing and range of a picture.
- * @typedef {{pane: Pane, ppi: import("./ppi.js").Ppi, bearing_deg: number, range_m: number}} Fresh
+ * @typedef {{pane: Pane, ppi: import("./picture/ppi.js").Ppi, bearing_deg: number, range_m: number}} Fresh
  */
 
 /** They are shown, or no longer. @extends {Events<{wanted: undefined}>} */
@@ -55,7 +55,7 @@ export class Targets extends Events {
     this.holds = false;
     this.refusal = "";
     this.chosen = "";
-    /** Where one is dragged to. @type {{ppi: import("./ppi.js").Ppi, at: [number, number]}|null} */
+    /** Where one is dragged to. @type {{ppi: import("./picture/ppi.js").Ppi, at: [number, number]}|null} */
     this.dragged = null;
     /** @type {Fresh|null} */
     this.fresh = null;

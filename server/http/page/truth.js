@@ -1,7 +1,7 @@
 // Where targets are in a radar's frames, as the server's TargetBlocks say (proto/target_record.h), and how they go.
 
 import { number } from "./messages.js";
-import { DEGREE, direct, inverse, turned } from "./placement.js";
+import { DEGREE, direct, inverse, turned } from "./picture/placement.js";
 
 const HIDDEN_BY = ["", "ground", "a building", "the horizon", "perhaps unknown ground"];
 const OVER_MS = 4000; // that the way of a target is looked at over
@@ -114,7 +114,7 @@ export class Truth {
 
 /**
  * What an antenna measures of a place and height above the datum.
- * @param {import("./placement.js").Placement} placement
+ * @param {import("./picture/placement.js").Placement} placement
  * @param {number} latitude_deg
  * @param {number} longitude_deg
  * @param {number} height_m
@@ -127,7 +127,7 @@ export function measured(placement, latitude_deg, longitude_deg, height_m) {
 
 /**
  * Where it will be in a minute.
- * @param {import("./placement.js").Placement} placement
+ * @param {import("./picture/placement.js").Placement} placement
  * @param {TargetRecord} record
  * @param {Velocity} velocity
  */

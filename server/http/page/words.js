@@ -4,7 +4,7 @@ import { number } from "./messages.js";
 
 export const LEAST_COVERAGE = 0.9995; // with less there is ground that no file has
 
-/** @typedef {import("./pane.js").Pane} Pane */
+/** @typedef {import("./picture/pane.js").Pane} Pane */
 /**
  * @typedef {{grave: 0|1|2, text: string, banner?: string, panes?: Pane[]}} Sentence 2: the picture is not live; without panes: of
  *   all

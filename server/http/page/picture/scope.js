@@ -1,7 +1,7 @@
 // The A-scope: level over slant range at the cursor's azimuth, or where the beam is.
 
 import { stepOf } from "./grid.js";
-import { BOTTOM, INK, LEFT, drawAxes, emptied } from "./plot.js";
+import { BOTTOM, INK, LEFT, drawAxes, emptied } from "../plot.js";
 
 const LEAST_SPAN_DB = 20;
 

@@ -1,6 +1,6 @@
 // The rows of a scanning beam's dwell, each with the moment in which the beam stood there.
 
-import { number } from "./messages.js";
+import { number } from "../messages.js";
 
 /**
  * @typedef {object} Times of a block of azimuths, in ms
@@ -23,9 +23,9 @@ import { number } from "./messages.js";
  */
 
 /**
- * @param {import("../wire.js").ScanPass} scan
+ * @param {import("../../wire.js").ScanPass} scan
  * @param {import("./placement.js").Placement} placement
- * @param {import("../wire.js").WedgeBlock} body
+ * @param {import("../../wire.js").WedgeBlock} body
  * @param {Uint8Array} plane VIDEO or STATE, [azimuth, range]
  * @param {Times} times
  * @returns {HeldRow[]} in the beam's order

@@ -2,8 +2,8 @@
 
 import { dwellRows } from "./dwell_rows.js";
 import { Placement } from "./placement.js";
-import { fieldOf, isDefault } from "./form.js";
-import { number } from "./messages.js";
+import { fieldOf, isDefault } from "../form.js";
+import { number } from "../messages.js";
 
 const MOST_HELD_MS = 74; // a scanning beam's azimuths wait at most this long for their turn
 
@@ -18,7 +18,7 @@ const MOST_HELD_MS = 74; // a scanning beam's azimuths wait at most this long fo
  * @typedef {{now_ms: number, utc_ms: number, age_ms: (clock_ns: string|undefined) => number}} Clock utc_ms: of what is seen; age_ms:
  *   since a reading of the server's clock
  */
-/** @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor @typedef {import("../wire.js").WedgeBlock} WedgeBlock */
+/** @typedef {import("../../wire.js").FrameDescriptor} FrameDescriptor @typedef {import("../../wire.js").WedgeBlock} WedgeBlock */
 
 /**
  * How the bytes of plane VIDEO become levels 1 to 255. Level 0: no echo at all.
@@ -29,7 +29,7 @@ const MOST_HELD_MS = 74; // a scanning beam's azimuths wait at most this long fo
  */
 
 export class Bins {
-  /** @type {import("./form.js").Parameter[]|null} those that are not_ideal; null: not known yet */
+  /** @type {import("../form.js").Parameter[]|null} those that are not_ideal; null: not known yet */
   static notIdeal = null;
 
   constructor() {
@@ -37,7 +37,7 @@ export class Bins {
     this.descriptor = null;
     /** @type {Placement|null} */
     this.placement = null;
-    /** Null: whole frames. @type {import("../wire.js").ScanPass|null} */
+    /** Null: whole frames. @type {import("../../wire.js").ScanPass|null} */
     this.scan = null;
     this.video = new Uint8Array(0); // [azimuth, range], as sent
     this.state = new Uint8Array(0);
@@ -50,7 +50,7 @@ export class Bins {
     this.frames = 0; // whole ones
     this.skipped = 0;
     this.missed = 0; // dwells
-    /** @type {import("../wire.js").FrameSummary|null} */
+    /** @type {import("../../wire.js").FrameSummary|null} */
     this.summary = null;
     this.render_ms = 0;
     /** Rows of a scanning beam that wait for their moment, in its order. @type {HeldRow[]} */
@@ -93,7 +93,7 @@ export class Bins {
   /** An ideal map, as in ground_map.png: no receiver has added to its echoes or changed their law in range. */
   get isIdeal() {
     const s = this.descriptor?.settings;
-    return Boolean(s && Bins.notIdeal?.every((parameter) => isDefault(parameter, /** @type {import("./form.js").Message} */ (s)[fieldOf(parameter)])));
+    return Boolean(s && Bins.notIdeal?.every((parameter) => isDefault(parameter, /** @type {import("../form.js").Message} */ (s)[fieldOf(parameter)])));
   }
   get mayCompensate() {
     return this.isIdeal && !this.descriptor.settings.range_normalisation;
@@ -112,7 +112,7 @@ export class Bins {
   }
 
   /**
-   * @param {import("../wire.js").FrameBegin} body
+   * @param {import("../../wire.js").FrameBegin} body
    * @returns {boolean} whether bins now lie elsewhere
    */
   begin(body) {
@@ -340,7 +340,7 @@ export class Bins {
     if (this.placement) this.#levels(0, this.placement.azimuths);
   }
 
-  /** @param {import("../wire.js").FrameEnd} body @returns {boolean} whether bins now lie elsewhere */
+  /** @param {import("../../wire.js").FrameEnd} body @returns {boolean} whether bins now lie elsewhere */
   end(body) {
     this.summary = body.summary ?? null;
     this.render_ms = 1000 * number(body.render_s);

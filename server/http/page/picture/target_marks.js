@@ -1,6 +1,6 @@
 // Marks of targets above a picture: where each is, where it goes, how much of it is seen; the chosen one's route.
 
-import { measured, soon } from "./truth.js";
+import { measured, soon } from "../truth.js";
 
 const SIDE_PX = 6; // from a mark's middle to its corners
 const NEAR_PX = 12;
@@ -24,12 +24,12 @@ const LEAST_SPEED_MPS = 0.3; // with a leader
  * @property {{ppi: Ppi, at: Point}|null} dragged
  * @property {{ppi: Ppi, bearing_deg: number, range_m: number}|null} fresh
  * @property {(id: string) => string} nameOf
- * @property {(id: string) => import("./target_route.js").RoutePoint[]} pointsAhead
+ * @property {(id: string) => import("../target_route.js").RoutePoint[]} pointsAhead
  * @property {(id: string) => boolean} loops
- * @property {(id: string, truth: import("./truth.js").Truth) => import("./truth.js").Velocity|null} velocityOf
+ * @property {(id: string, truth: import("../truth.js").Truth) => import("../truth.js").Velocity|null} velocityOf
  */
 
-/** @typedef {import("./ppi.js").Ppi} Ppi @typedef {import("./truth.js").TargetRecord} TargetRecord */
+/** @typedef {import("./ppi.js").Ppi} Ppi @typedef {import("../truth.js").TargetRecord} TargetRecord */
 
 /** Of the picture; on a B-scope of its axes. @param {Ppi} ppi */
 const edges = (ppi) => (ppi.look.bscope ? ppi.box : { left: 0, right: ppi.width, top: 0, bottom: ppi.height });
@@ -178,7 +178,7 @@ function leader(ppi, c, { record, at }, targets) {
  * @param {Ppi} ppi
  * @param {CanvasRenderingContext2D} c
  * @param {Mark} mark
- * @param {import("./target_route.js").RoutePoint[]} points still ahead
+ * @param {import("../target_route.js").RoutePoint[]} points still ahead
  * @param {boolean} loops back to its first place, near where it is
  */
 function route(ppi, c, { record, at }, points, loops) {

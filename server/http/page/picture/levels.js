@@ -1,6 +1,6 @@
 // Black level and span of a picture. Each picture has its own: by the radar's receiver, by what is shown, or as they were set.
 
-import { number } from "./messages.js";
+import { number } from "../messages.js";
 
 const LOOK_MS = 1000; // between looks at what is shown
 const SETTLED_DB = 2; // a smaller change of the best levels leaves them
@@ -9,7 +9,7 @@ const RECEIVER_SPAN_DB = 60; // as displays of logarithmic receivers have it
 /**
  * @typedef {import("./bins.js").Bins} Bins
  * @typedef {import("./table.js").BinTable} BinTable
- * @typedef {import("../wire.js").FrameDescriptor} FrameDescriptor
+ * @typedef {import("../../wire.js").FrameDescriptor} FrameDescriptor
  */
 
 /**

@@ -1,6 +1,6 @@
 // Where own ship or aircraft heads and where it goes, and what is up on a picture.
 
-import { number } from "./messages.js";
+import { number } from "../messages.js";
 import { DEGREE, inverse, turned } from "./placement.js";
 
 /** @type {Up[]} */
@@ -32,7 +32,7 @@ export class Heading {
     this.key = "";
   }
 
-  /** @param {import("../wire.js").Pose} pose of a frame or a dwell @param {number} now_ms */
+  /** @param {import("../../wire.js").Pose} pose of a frame or a dwell @param {number} now_ms */
   take(pose, now_ms) {
     if (pose.heading_deg !== undefined) this.heading_deg = turned(number(pose.heading_deg));
     /** @type {[number, number]} */

@@ -1,14 +1,14 @@
 // The words in a picture's corners: what an operator wants to know of it without looking away.
 
-import { put } from "./dom.js";
+import { put } from "../dom.js";
 import { UNIT_M } from "./grid.js";
 import { UP_WORDS } from "./heading.js";
-import { bearingText, minutesText } from "./readout.js";
-import { modeWord } from "./mode.js";
-import { number } from "./messages.js";
+import { bearingText, minutesText } from "../readout.js";
+import { modeWord } from "../mode.js";
+import { number } from "../messages.js";
 
 const MARKUP = `<div class="annun upper left"></div><div class="annun upper right"></div><div class="annun lower left"><b class="mode"></b><span></span></div>`;
-/** @typedef {import("../wire.js").RadarSettings} RadarSettings */
+/** @typedef {import("../../wire.js").RadarSettings} RadarSettings */
 
 const MINUS = "−";
 
@@ -36,7 +36,7 @@ function scanText(s, pane) {
   return s.scan_mode === "SECTOR_SCAN" ? `${sector} ${+rate.toFixed(1)}°/s` : number(s.sector_deg) >= 360 ? "ALL ROUND" : sector;
 }
 
-/** Gain, sea and rain knobs, tilt: those that the radar has. @param {RadarSettings} s @param {import("../wire.js").Pose} pose */
+/** Gain, sea and rain knobs, tilt: those that the radar has. @param {RadarSettings} s @param {import("../../wire.js").Pose} pose */
 function knobTexts(s, pose) {
   const texts = [`GAIN ${signed(number(s.receiver_gain_db), 0)} dB`];
   const stc_m = number(s.stc_range_m);

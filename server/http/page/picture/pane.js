@@ -2,17 +2,17 @@
 
 import { Annunciators } from "./annunciators.js";
 import { Bins } from "./bins.js";
-import { put } from "./dom.js";
-import { Events } from "./events.js";
-import { asStates } from "./labels.js";
+import { put } from "../dom.js";
+import { Events } from "../events.js";
+import { asStates } from "../labels.js";
 import { Levels, bestScale } from "./levels.js";
 import { Ppi } from "./ppi.js";
 import { Profile } from "./profile.js";
 import { Scope } from "./scope.js";
 import { Trails } from "./trails.js";
-import { refusalText } from "./stream.js";
-import { changesOf } from "./sources.js";
-import { number, utcNow_ms } from "./messages.js";
+import { refusalText } from "../stream.js";
+import { changesOf } from "../sources.js";
+import { number, utcNow_ms } from "../messages.js";
 
 const TARGETS_MS = 2000; // between frames of a picture that is rendered with moving targets
 
@@ -22,7 +22,7 @@ const MARKUP = `<div class="ppi" tabindex="0" role="application" aria-label="Rad
 <div class="banner" hidden></div>
 <canvas class="scope" aria-label="Level over range at the cursor's bearing"></canvas>`;
 
-/** @typedef {import("./messages.js").MessageOf} MessageOf */
+/** @typedef {import("../messages.js").MessageOf} MessageOf */
 
 /**
  * What a picture says: another source was picked; its levels, or what they may make up for, are others; they were set by hand; targets came;
@@ -36,9 +36,9 @@ export class Pane extends Events {
   /**
    * @param {HTMLElement} parent
    * @param {object} parts
-   * @param {import("./look.js").Look} parts.look
-   * @param {import("./stream.js").Link} parts.link
-   * @param {import("./debrief.js").Debrief} parts.debrief
+   * @param {import("../look.js").Look} parts.look
+   * @param {import("../stream.js").Link} parts.link
+   * @param {import("../debrief.js").Debrief} parts.debrief
    * @param {string} source "radar NAME", "scale NM" or "frustum KIND"
    * @param {{low: number, span: number, auto: boolean}} levels
    */
@@ -63,9 +63,9 @@ export class Pane extends Events {
     this.pick.onchange = () => this.emit("picked", this.pick.value);
     this.source = source;
     this.levels = new Levels(levels);
-    /** @type {import("../wire.js").RadarInfo|null} */
+    /** @type {import("../../wire.js").RadarInfo|null} */
     this.info = null;
-    /** @type {import("../wire.js").RadarStatus|null} */
+    /** @type {import("../../wire.js").RadarStatus|null} */
     this.status = null;
     /** What is wrong with it in the server's words. @type {string|null} */
     this.says = null;
@@ -103,7 +103,7 @@ export class Pane extends Events {
   clear() {
     this.levels.unsettle();
     this.heading.forget();
-    /** @type {import("../wire.js").Pose|null} */
+    /** @type {import("../../wire.js").Pose|null} */
     this.newestPose = null;
     this.ppi.truth?.clear();
     this.trails.clear();
@@ -121,7 +121,7 @@ export class Pane extends Events {
     this.bins.abort();
   }
 
-  /** @param {import("./messages.js").Message} message of this pane's frames */
+  /** @param {import("../messages.js").Message} message of this pane's frames */
   take({ type, body, plane, utc_ms }) {
     const { bins, ppi } = this;
     if (type === "FrameBegin") {
@@ -145,7 +145,7 @@ export class Pane extends Events {
     }
   }
 
-  /** @param {import("../wire.js").WedgeBlock} body @param {Uint8Array} plane @param {number} utc_ms */
+  /** @param {import("../../wire.js").WedgeBlock} body @param {Uint8Array} plane @param {number} utc_ms */
   #block(body, plane, utc_ms) {
     const { bins, debrief, look: { label } } = this;
     const now_ms = performance.now();
@@ -169,7 +169,7 @@ export class Pane extends Events {
     this.emit("levels");
   }
 
-  /** Of what comes; a picture that another up turns is laid out anew. @param {import("../wire.js").Pose|undefined} pose */
+  /** Of what comes; a picture that another up turns is laid out anew. @param {import("../../wire.js").Pose|undefined} pose */
   #pose(pose) {
     if (!pose) return;
     this.newestPose = pose;
@@ -267,7 +267,7 @@ export class Pane extends Events {
   /**
    * Asks for this pane's own frame where the first pane shows something new.
    * @param {Pane} first
-   * @param {import("../wire.js").PlaneKind[]} planes
+   * @param {import("../../wire.js").PlaneKind[]} planes
    * @param {boolean} truth where targets are, too
    */
   renderAgain(first, planes, truth) {
@@ -283,7 +283,7 @@ export class Pane extends Events {
     this.pending = link.render({ radar: first.radar, settings, pose: d.pose, video_bits: 8, planes, ...(d.targets && { live_targets: true, truth }) });
   }
 
-  /** The server renders no such frame. @param {import("./stream.js").Refused} error */
+  /** The server renders no such frame. @param {import("../stream.js").Refused} error */
   refused(error) {
     this.pending = "";
     this.says = `No picture ${this.called}: ${refusalText(error)}.`;

@@ -144,9 +144,9 @@ export function inverse(latitude_deg, longitude_deg, toLatitude_deg, toLongitude
  * A frame's bins on the plane. Bearings in degrees, clockwise from true north at the antenna.
  */
 export class Placement {
-  /** @param {import("../wire.js").FrameDescriptor} d */
+  /** @param {import("../../wire.js").FrameDescriptor} d */
   constructor(d) {
-    const get = (/** @type {import("./messages.js").Numeric|undefined} */ value) => Number(value ?? 0);
+    const get = (/** @type {import("../messages.js").Numeric|undefined} */ value) => Number(value ?? 0);
     this.start_deg = get(d.azimuth_start_deg);
     this.width_deg = get(d.azimuth_width_deg);
     this.r0_m = get(d.range_start_m);

@@ -6,7 +6,7 @@ import { DEGREE, turned } from "./placement.js";
 import { Heading } from "./heading.js";
 import { drawAxes, drawGrid } from "./grid.js";
 import { drawMarks } from "./marks.js";
-import { LABEL_TILES } from "./labels.js";
+import { LABEL_TILES } from "../labels.js";
 
 const MOST_PIXELS = 1440; // a side; above, the browser scales
 const MARGIN_PX = 34; // for the bearings around the picture
@@ -18,7 +18,7 @@ const NOT_YET_PIXEL = packed(NOT_YET);
 const TILES = stateTiles().map((tile, state) => (state === 1 ? null : tile)); // the overlay
 const UNKNOWN_TILES = [null, null, null, unknownTile(), null]; // without it
 
-/** @typedef {import("./look.js").Look} Look @typedef {import("./placement.js").Point} Point */
+/** @typedef {import("../look.js").Look} Look @typedef {import("./placement.js").Point} Point */
 
 /** In the page's pixels. @typedef {{left: number, right: number, top: number, bottom: number}} Box */
 
@@ -60,7 +60,7 @@ export class Ppi {
     this.ringStep = null;
     /** Of the grid. @type {Box[]} */
     this.words = [];
-    /** Where targets are; null: not shown. @type {import("./truth.js").Truth|null} */
+    /** Where targets are; null: not shown. @type {import("../truth.js").Truth|null} */
     this.truth = null;
     /** What is known of them. @type {import("./target_marks.js").TargetsShown|null} */
     this.targets = null;
@@ -181,7 +181,7 @@ export class Ppi {
     return [x * k, y * k];
   }
 
-  /** A place on the plane under the page's pixels. @param {number} x @param {number} y @returns {import("./look.js").Place} */
+  /** A place on the plane under the page's pixels. @param {number} x @param {number} y @returns {import("../look.js").Place} */
   fromScreen(x, y) {
     if (this.look.bscope) {
       const { placement } = this.bins;
@@ -196,7 +196,7 @@ export class Ppi {
     return { east_m, north_m };
   }
 
-  /** Slant and ground range, bearing, place, bin and value of a place on the plane. @param {import("./look.js").Place} place */
+  /** Slant and ground range, bearing, place, bin and value of a place on the plane. @param {import("../look.js").Place} place */
   read({ east_m, north_m }) {
     const { bins } = this;
     const { placement } = bins;

@@ -32,8 +32,8 @@ export class Trails {
   /**
    * @param {import("./bins.js").Bins} bins
    * @param {import("./ppi.js").Ppi} ppi
-   * @param {import("./look.js").Look} look
-   * @param {import("./debrief.js").Debrief} debrief
+   * @param {import("../look.js").Look} look
+   * @param {import("../debrief.js").Debrief} debrief
    */
   constructor(bins, ppi, look, debrief) {
     this.bins = bins;

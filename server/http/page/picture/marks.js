@@ -81,7 +81,7 @@ function centreLine(ppi, c, antenna) {
   c.restore();
 }
 
-/** @param {Ppi} ppi @param {CanvasRenderingContext2D} c @param {import("./look.js").Place} place */
+/** @param {Ppi} ppi @param {CanvasRenderingContext2D} c @param {import("../look.js").Place} place */
 function drawCursor(ppi, c, { east_m, north_m }) {
   const [x, y] = ppi.toScreen(east_m, north_m).map((v) => Math.round(v) + 0.5);
   const parts = [[-16, 0, -5, 0], [5, 0, 16, 0], [0, -16, 0, -5], [0, 5, 0, 16]];

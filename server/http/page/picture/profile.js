@@ -1,9 +1,9 @@
 // The ground along bearing line 1, from QueryGround: how high it is, and what of it the antenna sees.
 
 import { stepOf } from "./grid.js";
-import { BOTTOM, INK, LEFT, drawAxes, emptied } from "./plot.js";
-import { bearingText } from "./readout.js";
-import { number } from "./messages.js";
+import { BOTTOM, INK, LEFT, drawAxes, emptied } from "../plot.js";
+import { bearingText } from "../readout.js";
+import { number } from "../messages.js";
 
 const POINTS = 256;
 const PAUSE_MS = 500; // between questions
@@ -13,7 +13,7 @@ const SEEN = [1, 2]; // of a record's sight: visible, visible over unknown groun
 
 /**
  * Records of a GroundAnswer: PROTOCOL.md, "Ground queries".
- * @param {import("../wire.js").GroundAnswer} answer
+ * @param {import("../../wire.js").GroundAnswer} answer
  * @param {Uint8Array} plane
  * @returns {Omit<Point, "slant_m">[]}
  */
@@ -29,8 +29,8 @@ export function recordsOf({ points, record_bytes }, plane) {
 export class Profile {
   /**
    * @param {HTMLCanvasElement} canvas the A-scope's
-   * @param {import("./look.js").Look} look
-   * @param {import("./stream.js").Link} link
+   * @param {import("../look.js").Look} look
+   * @param {import("../stream.js").Link} link
    */
   constructor(canvas, look, link) {
     this.canvas = canvas;
@@ -56,7 +56,7 @@ export class Profile {
    * Asks where something has changed.
    * @param {string} radar
    * @param {import("./placement.js").Placement} placement
-   * @param {import("../wire.js").Pose|null} newestPose
+   * @param {import("../../wire.js").Pose|null} newestPose
    */
   async #ask(radar, placement, newestPose) {
     const { link, look } = this;
@@ -82,7 +82,7 @@ export class Profile {
   /**
    * @param {string} radar
    * @param {import("./placement.js").Placement} placement
-   * @param {import("../wire.js").Pose|null} newestPose
+   * @param {import("../../wire.js").Pose|null} newestPose
    */
   draw(radar, placement, newestPose) {
     this.#ask(radar, placement, newestPose);
