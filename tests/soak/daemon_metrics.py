@@ -1,17 +1,9 @@
-"""What can be seen of a running obliqd from outside: /proc and /metrics."""
-import os
+"""What a running obliqd says of itself: /metrics."""
 import re
 import urllib.request
 
 LINE = re.compile(r"^([a-z_]+)(\{[^}]*\})? (\S+)$")
 BUCKET = re.compile(r'le="([^"]+)"')
-
-
-def process_state(pid):
-    """Resident memory (MB), descriptors and threads."""
-    with open(f"/proc/{pid}/status", encoding="ascii") as file:
-        words = dict(line.split(":", 1) for line in file if ":" in line)
-    return (int(words["VmRSS"].split()[0]) / 1024, len(os.listdir(f"/proc/{pid}/fd")), int(words["Threads"]))
 
 
 def read_metrics(address):
