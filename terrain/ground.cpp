@@ -114,7 +114,7 @@ void note_coverage(World& world, const WorldSpec& spec, const WantedArea& wanted
 }
 
 /// To be raised when the same elevation models give other heights than before: the sum in
-/// tests/unit/terrain_cache_test.cpp says when.
+/// tests/unit/terrain/cache/ground_cache_test.cpp says when.
 constexpr const char* kAlgorithm = "2";
 
 CacheKey key_of(const DemMosaic& mosaic, const World& world, const Polygon& area, double fill_m, bool water) {

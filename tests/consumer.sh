@@ -35,7 +35,7 @@ else
   for package in embree GDAL Boost TBB glm tomlplusplus CLI11 spdlog fmt OpenEXR; do
     hidden+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
-  cmake -S . -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O1 -DOBLIQ_SERVER=OFF \
+  cmake -S . -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O0 -DOBLIQ_SERVER=OFF \
     "-DCMAKE_CXX_COMPILER=$compiler" "-DCMAKE_INSTALL_PREFIX=$work/installed" "${hidden[@]}" >"$work/log" 2>&1 &&
     cmake --build "$work/build" --target obliq_client >>"$work/log" 2>&1 && cmake --install "$work/build" >>"$work/log" 2>&1 || {
     tail -40 "$work/log"

@@ -3,8 +3,8 @@
 #
 #   cmake --build --preset release --target generated     builds the programs, then runs this with their folder
 #
-# tests/integration/session_bytes.txt is among them: read its differences before they go in. The sums of frames
-# (tests/accuracy/frame_sums.txt) are not: a change of bits is a decision of its own.
+# tests/integration/session/session_bytes.txt is among them: read its differences before they go in. The sums of frames
+# (tests/accuracy/radar/frame_sums.txt) are not: a change of bits is a decision of its own.
 set -euo pipefail
 bin=$1
 cd "$(dirname "$0")/.."
@@ -23,5 +23,5 @@ python3 client/guide/make_help.py
 bash tests/python/run.sh --program server/http/make_types.py
 python3 tests/csharp/integers.py
 python3 tests/figures/figures.py >/dev/null
-OBLIQ_WRITE_SESSION_BYTES=tests/integration/session_bytes.txt "$bin/session_bytes_test" --gtest_brief=1 --gtest_filter=SessionBytes.* >/dev/null
-git status --short -- '*.md' '*.html' '*.d.ts' client/python/src client/csharp tests/integration/session_bytes.txt
+OBLIQ_WRITE_SESSION_BYTES=tests/integration/session/session_bytes.txt "$bin/session_bytes_test" --gtest_brief=1 --gtest_filter=SessionBytes.* >/dev/null
+git status --short -- '*.md' '*.html' '*.d.ts' client/python/src client/csharp tests/integration/session/session_bytes.txt

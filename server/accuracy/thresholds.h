@@ -1,7 +1,7 @@
 #pragma once
 // Closed forms: how much an ingredient of the model matters, and from where on. Level ground, an antenna h
 // above it; every earth is named by its curvature 1/k (1 vacuum, 3/4 standard refraction, 0 flat), R is the
-// earth's mean radius. tests/unit/explain_thresholds_test.cpp checks them against exact spheres.
+// earth's mean radius. tests/unit/accuracy/thresholds_test.cpp checks them against exact spheres.
 
 namespace obliq {
 

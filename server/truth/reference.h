@@ -35,8 +35,8 @@
 // rule, error O(step_m^2). Across azimuth, midpoint rule as well: over ground, where a bin's power is
 // continuous, O(planes_per_bin^-2); with buildings between that and O(planes_per_bin^-1), because a wall
 // nearly in line with the sight changes its range bin within a fraction of the planes' spacing.
-// tests/accuracy/reference_order_test.cpp shows both, reference_test.cpp and reference_plates_test.cpp closed
-// forms.
+// tests/accuracy/truth/reference_order_test.cpp shows both, reference_test.cpp and reference_plates_test.cpp
+// closed forms.
 #include <algorithm>
 #include <functional>
 #include <glm/vec3.hpp>

@@ -11,7 +11,6 @@ import os
 import pathlib
 import random
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -19,20 +18,19 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "python"))
 import made_recording  # noqa: E402
-from support import OBLIQ, obliq  # noqa: E402
+from support import obliq, programs  # noqa: E402
 
 CASES = {"10 frames/s": dict(azimuths=128, ranges=256), "a turn in 2.5 s": dict(azimuths=720, ranges=1024, scan_s=2.5)}
 
 
 def measure(path, step_s, seeks):
-    replay = subprocess.Popen([OBLIQ, "replay", str(path), "--serve", "--port", "0", "--hold"], stdout=subprocess.PIPE, text=True)
     began_s = time.monotonic()
-    address = replay.stdout.readline().split(" on ")[1].strip()
+    replay = programs.replay(path, "--hold")
     ready_s = time.monotonic() - began_s
     took_s = []
     place = random.Random(1)
     try:
-        with obliq.connect(address) as server:
+        with obliq.connect(replay.address) as server:
             server.replay.pause()
             duration_s = server.replay.state().duration_s
             with server.radar().stream(rate_hz=100, planes="video") as frames:
@@ -45,9 +43,7 @@ def measure(path, step_s, seeks):
                         pass
                     took_s.append(time.monotonic() - began_s)
     finally:
-        replay.terminate()
-        replay.wait()
-        replay.stdout.close()
+        replay.stop()
     return ready_s, took_s
 
 

@@ -10,7 +10,9 @@ import tempfile
 
 import numpy as np
 import obliq
-from obliq.local import Daemon
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import programs  # noqa: E402
 from obliq.targets import HIDDEN_BY
 
 from c_test import SCENE
@@ -109,7 +111,7 @@ def main():
         scene.write_text(SCENE + TRUCK)
         tokens.write_text(f"controller {TOKEN}\nviewer {VIEWER}\n")
         tokens.chmod(0o600)
-        daemon = Daemon(scene, given.bin / "obliqd", {"server.tokens": str(tokens), "server.max_targets": 20})
+        daemon = programs.daemon(scene, f"server.tokens={tokens}", "server.max_targets=20", obliqd=given.bin / "obliqd")
         try:
             check(given.bin, daemon.address)
         finally:

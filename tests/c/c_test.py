@@ -11,7 +11,9 @@ import tempfile
 
 import numpy as np
 import obliq
-from obliq.local import Daemon
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import programs  # noqa: E402
 
 SCENE = """
 [terrain]
@@ -137,7 +139,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         scene = pathlib.Path(folder) / "scene.toml"
         scene.write_text(SCENE)
-        daemon = Daemon(scene, given.bin / "obliqd")
+        daemon = programs.daemon(scene, obliqd=given.bin / "obliqd")
         try:
             check_program(given.bin, daemon.address)
             check_ctypes(given.library, daemon.address)

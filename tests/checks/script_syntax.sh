@@ -14,8 +14,15 @@ for script in .ci/run "${shell[@]}"; do
   fi
 done
 mapfile -t python < <(source_files py)
-for script in "${python[@]}"; do
-  python3 -c 'import sys; compile(open(sys.argv[1], encoding="utf-8").read(), sys.argv[1], "exec")' "$script" ||
-    status=1
-done
+python3 - "${python[@]}" <<'END' || status=1
+import sys
+
+faults = []
+for script in sys.argv[1:]:
+    try:
+        compile(open(script, encoding="utf-8").read(), script, "exec")
+    except SyntaxError as fault:
+        faults.append(f"{script}:{fault.lineno}: {fault.msg}")
+sys.exit("\n".join(faults) or None)
+END
 exit "$status"

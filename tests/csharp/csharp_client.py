@@ -20,6 +20,9 @@ import obliq
 import targets_over_tcp
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tests" / "support"))
+import programs  # noqa: E402
+
 PLACE = (33.0, -99.5, 1500.0)
 SCENE = """
 [terrain]
@@ -68,17 +71,6 @@ EXPECTED = ["rows kept for late takers 216", "refused 103", "bearing 0 pose_id 9
             "  antenna.bearing_deg: found nan; allowed: number -360 to 360 deg"]
 
 
-def await_line(log, pattern, daemon):
-    for _ in range(1200):
-        found = re.search(pattern, log.read_text())
-        if found:
-            return found.group(1)
-        if daemon.poll() is not None:
-            break
-        time.sleep(0.05)
-    sys.exit(f"csharp_client: obliqd did not become ready:\n{log.read_text()}")
-
-
 def sums_over_tcp(address):
     with obliq.connect(address, token=TOKEN) as server:
         frame = server.radar("main").frame(planes="iq state video material building height returns")
@@ -115,24 +107,10 @@ def compile_csharp(out, *arguments):
     subprocess.run(["mcs", "-warnaserror", f"-out:{out}", "-r:System.Runtime.Serialization.dll", "-r:System.Core.dll", *arguments], check=True)
 
 
-def start(folder, programs, name, scene):
+def start(folder, bin_folder, name, scene):
     (folder / f"{name}.toml").write_text(scene)
-    log = folder / f"{name}.log"
-    with log.open("w") as out:
-        daemon = subprocess.Popen([programs / "obliqd", folder / f"{name}.toml"], stdout=out, stderr=out, stdin=subprocess.DEVNULL)
-    try:
-        tcp = await_line(log, r"ready: main on (\S+)\n", daemon)
-        web = await_line(log, r"in a browser: http://(\S+)/\n", daemon)
-    except BaseException:
-        stop(daemon)
-        raise
-    return daemon, tcp, f"ws://{web}/stream"
-
-
-def stop(daemon):
-    daemon.send_signal(signal.SIGCONT)
-    daemon.terminate()
-    daemon.wait()
+    daemon = programs.daemon(folder / f"{name}.toml", obliqd=bin_folder / "obliqd")
+    return daemon, daemon.address, f"ws://127.0.0.1:{daemon.web_port}/stream"
 
 
 def compare(found, wanted, more):
@@ -141,9 +119,9 @@ def compare(found, wanted, more):
             sys.exit(f"csharp_client: line {number}: found {line!r}; expected {other!r}\n" + "\n".join(found) + more)
 
 
-def check_turning(folder, programs, probe):
+def check_turning(folder, bin_folder, probe):
     scene = SCENE.replace("SECTOR", "360.0").replace("AZIMUTHS", "72") + SCAN
-    daemon, tcp, web = start(folder, programs, "turning", scene)
+    daemon, tcp, web = start(folder, bin_folder, "turning", scene)
     try:
         wanted = ["once 72 32 whole", *turning_over_tcp(tcp), "refused 100 longitude_deg,height_m",
                   "first pass: 0 as before, 18 empty of 18 CIRCULAR_SCAN", "0 rows unlike those of the whole frame", "the pass is whole",
@@ -157,16 +135,16 @@ def check_turning(folder, programs, probe):
             for line in asking.stdout:
                 found.append(line.rstrip("\n"))
                 if found[-1] == "stop":  # long enough for the server to skip dwells: more than a quarter of a second
-                    daemon.send_signal(signal.SIGSTOP)
+                    daemon.send(signal.SIGSTOP)
                     time.sleep(1)
-                    daemon.send_signal(signal.SIGCONT)
+                    daemon.send(signal.SIGCONT)
                     print(file=asking.stdin, flush=True)
             late.cancel()
         compare(found, wanted, "")
         ran = subprocess.run(["mono", probe, web, "main", TOKEN, "pass"], capture_output=True, text=True, timeout=120)
         compare(ran.stdout.splitlines(), targets_over_tcp.OF_A_PASS, ran.stderr)
     finally:
-        stop(daemon)
+        daemon.kill()
 
 
 def check_targets(probe, tcp, web):
@@ -175,7 +153,7 @@ def check_targets(probe, tcp, web):
     compare(ran.stdout.splitlines(), wanted, ran.stderr)
 
 
-def check(folder, programs):
+def check(folder, bin_folder):
     check_readme(folder)
     probe = folder / "Probe.exe"
     compile_csharp(probe, *(ROOT / name for name in ("client/csharp/ObliqStream.cs", "tests/csharp/Probe.cs", "tests/csharp/Turning.cs",
@@ -183,7 +161,7 @@ def check(folder, programs):
     tokens = folder / "tokens"
     tokens.write_text(f"controller {TOKEN}\nviewer {VIEWER}\n")
     tokens.chmod(0o600)
-    daemon, tcp, web = start(folder, programs, "scene", SCENE.replace("SECTOR", "60.0").replace("AZIMUTHS", "36"))
+    daemon, tcp, web = start(folder, bin_folder, "scene", SCENE.replace("SECTOR", "60.0").replace("AZIMUTHS", "36"))
     try:
         wanted = ["welcome obliqd main controller", "frame 36 32", *sums_over_tcp(tcp), *EXPECTED,
                   'obliq error 5: the JSON of SetPose: found the field "bering_deg"; allowed: those of Pose in obliq.proto', "ended by 5"]
@@ -195,8 +173,8 @@ def check(folder, programs):
             sys.exit(f"csharp_client: with a wrong token: {stranger.stdout}{stranger.stderr}")
         check_targets(probe, tcp, web)
     finally:
-        stop(daemon)
-    check_turning(folder, programs, probe)
+        daemon.kill()
+    check_turning(folder, bin_folder, probe)
 
 
 def main():

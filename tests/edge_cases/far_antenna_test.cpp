@@ -1,6 +1,6 @@
 // The antenna far from the scene's origin, near a pole and on the antimeridian: a tower falls into the bin
-// that earth-centred arithmetic gives. tests/accuracy/tower_test.cpp does the same through the program within
-// 46 km.
+// that earth-centred arithmetic gives. tests/accuracy/radar/sweep/tower_test.cpp does the same through the
+// program within 46 km.
 #include <gtest/gtest.h>
 
 #include <GeographicLib/Geocentric.hpp>

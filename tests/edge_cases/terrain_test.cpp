@@ -1,5 +1,5 @@
 // Ground that breaks renderers and loaders: spikes, pits, cliffs, voids, the smallest elevation model,
-// integer steps, zone boundaries. tests/unit/terrain_dem_test.cpp covers feet
+// integer steps, zone boundaries. tests/unit/terrain/dem/dem_test.cpp covers feet
 // (FeetAreReadFromTheBandAndTheSceneFile- OverridesIt and two more) and the load across the antimeridian
 // (AntimeridianIsNoBorder); far_antenna_test.cpp has a tower across the antimeridian and at 85 degrees north.
 #include <gtest/gtest.h>

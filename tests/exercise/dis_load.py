@@ -7,7 +7,6 @@ import signal
 import socket
 import statistics
 import struct
-import subprocess
 import sys
 import tempfile
 import threading
@@ -18,6 +17,7 @@ sys.path[:0] = [str(ROOT / "client" / "python" / "src"), str(ROOT / "tests" / "p
 import numpy as np  # noqa: E402
 import obliq  # noqa: E402
 import support  # noqa: E402
+from support import programs  # noqa: E402
 from fly_test import earth_centred  # noqa: E402
 
 ENTITIES, PDU_BYTES, PDUS_HZ = 1000, 144, 10_000  # tests/exercise/dis_recording.py
@@ -106,12 +106,6 @@ class KernelSocket:
         return int(self.words()[4].split(":")[1], 16)
 
 
-def processor_s(pid):
-    """User's and system's time of a process so far."""
-    words = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
-
-
 def place_of(target):
     assert target.height_reference == "ellipsoid" and not target.geoid_undulation_m, target
     return earth_centred(target.latitude_deg, target.longitude_deg, target.height_m)
@@ -130,48 +124,32 @@ def until(holds, seconds):
 class Load:
     """A daemon, the command that feeds it, and what is sent to it."""
 
-    def __init__(self, programs, recording, seconds, folder):
-        self.programs, self.folder = programs, folder
-        self.daemon = self.start("obliqd", "--config", support.scene(folder), "--set", "server.port=0", "--set", "http.enabled=false")
-        self.flight = None
+    def __init__(self, bin_folder, recording, seconds, folder):
+        self.daemon, self.flight = programs.daemon(support.scene(folder), "http.enabled=false", obliqd=bin_folder / "obliqd"), None
         try:
-            self.address = self.await_words("obliqd", self.daemon, r"ready: .* on (\S+)")
-            self.flight = self.start("obliq", "fly", "--server", self.address, "--dis", "--targets", "--udp", "0")
-            port = int(self.await_words("obliq", self.flight, r"listening on 127\.0\.0\.1:(\d+)"))
+            self.address = self.daemon.address
+            self.flight = programs.Program([bin_folder / "obliq", "fly", "--server", self.address, "--dis", "--targets", "--udp", "0"])
+            port = int(self.flight.await_words(r"listening on 127\.0\.0\.1:(\d+)").group(1))
         except BaseException:
             self.stop()
             raise
         self.kernel, self.sender = KernelSocket(port), Sender(recording, port, seconds)
 
-    def start(self, program, *words):
-        with open(self.folder / f"{program}.log", "w") as log:
-            return subprocess.Popen([self.programs / program, *map(str, words)], stdout=log, stderr=log)
-
-    def log(self, program):
-        return (self.folder / f"{program}.log").read_text()
-
-    def await_words(self, program, process, pattern):
-        if not until(lambda: re.search(pattern, self.log(program)) or process.poll() is not None, 60) or process.poll() is not None:
-            raise SystemExit(f"dis_load: {program} does not begin: {self.log(program)}")
-        return re.search(pattern, self.log(program)).group(1)
-
     def stop(self):
-        for process in filter(None, (self.flight, self.daemon)):
-            if process.poll() is None:
-                process.kill()
-            process.wait()
+        for program in filter(None, (self.flight, self.daemon)):
+            program.kill()
 
     def run(self):
         """Sends at full pace; the shares of a core that command, daemon and sender (with this test's looks) took, and how many
         targets there were at each look."""
         pids, counts = (self.flight.pid, self.daemon.pid, os.getpid()), []
-        before = [processor_s(pid) for pid in pids]
+        before = [programs.processor_s(pid) for pid in pids]
         self.sender.start()
         with obliq.connect(self.address) as server:
             while self.sender.is_alive():
                 self.sender.join(LOOK_S)
                 counts.append(len(server.target_list()))
-        return [(processor_s(pid) - was) / self.sender.took_s for pid, was in zip(pids, before)], counts
+        return [(programs.processor_s(pid) - was) / self.sender.took_s for pid, was in zip(pids, before)], counts
 
     def say_all_once_more(self):
         """A round that came whole: what each entity said last, and when. The kernel counts what it drops in the next datagram's
@@ -188,10 +166,9 @@ class Load:
     def end(self):
         """What the command understood and lost, in the kernel or itself; and the kernel's own count."""
         drops = self.kernel.drops()
-        self.flight.send_signal(signal.SIGINT)
-        if self.flight.wait(60) != 0:
-            raise SystemExit(f"dis_load: obliq fly ended with {self.flight.returncode}: {self.log('obliq')}")
-        said = self.log("obliq").strip().splitlines()[-1]
+        if (code := self.flight.stop(signal.SIGINT, 60)) != 0:
+            raise SystemExit(f"dis_load: obliq fly: {code}: {self.flight.log()}")
+        said = self.flight.log().strip().splitlines()[-1]
         return int(UNDERSTOOD.search(said)[1]), int(LOST.search(said)[1]), drops, said
 
 

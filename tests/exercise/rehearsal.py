@@ -12,10 +12,12 @@ import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "client" / "python" / "src"), str(ROOT / "tests" / "python")]
+sys.path[:0] = [str(ROOT / "client" / "python" / "src"), str(ROOT / "tests" / "python"), str(ROOT / "tests" / "support")]
 import obliq  # noqa: E402
+import programs  # noqa: E402
 from obliq import obliq_pb2 as wire  # noqa: E402
 from fly_test import RESUME, STOP, entity_state, order  # noqa: E402
+from programs import await_that  # noqa: E402
 
 GROUP, LOOPBACK = "239.255.77.9", "127.0.0.1"
 ENTITY = "1:2:3"
@@ -48,20 +50,6 @@ port = %d
 [http]
 enabled = false
 """ + "".join(f'[[radar]]\nname = "{name}"\nsector_deg = 60.0\nr_min_m = 3000.0\nr_max_m = 9000.0\n{place}\n' for name, place in RADARS.items())
-
-
-def free_port(kind=socket.SOCK_STREAM):
-    with socket.socket(socket.AF_INET, kind) as taken:
-        taken.bind((LOOPBACK, 0))
-        return taken.getsockname()[1]
-
-
-def until(holds, what, seconds=60):
-    end = time.monotonic() + seconds
-    while not holds():
-        if time.monotonic() > end:
-            raise SystemExit(f"exercise: not within {seconds} s: {what}")
-        time.sleep(0.02)
 
 
 class Simulator(threading.Thread):
@@ -143,32 +131,25 @@ def knobs(radar):
 
 
 class Exercise:
-    def __init__(self, programs, folder, unit_s):
-        self.programs, self.folder, self.unit_s = programs, folder, unit_s
-        self.port, self.modbus_port, self.dis_port = free_port(), free_port(), free_port(socket.SOCK_DGRAM)
+    def __init__(self, bin_folder, folder, unit_s):
+        self.bin, self.folder, self.unit_s = bin_folder, folder, unit_s
+        self.port, self.modbus_port = programs.free_ports(2)
+        self.dis_port = programs.free_ports(1, socket.SOCK_DGRAM)[0]
         self.address = f"{LOOPBACK}:{self.port}"
         self.scene = folder / "scene.toml"
         self.scene.write_text(SCENE % (self.modbus_port, self.port))
         self.settings, self.refusals, self.bookmarks = 0, [], []
         self.serve()
 
-    def start(self, name, *words, program="obliq"):
-        with open(self.folder / f"{name}.log", "a") as log:
-            return subprocess.Popen([self.programs / program, *map(str, words)], stdout=log, stderr=log)
+    def start(self, name, *words):
+        return programs.Program([self.bin / "obliq", *words], log=self.folder / f"{name}.log")
 
     def serve(self):
-        self.server = self.start("obliqd", "--config", self.scene, program="obliqd")
-        until(self.answers, "a server")
-
-    def answers(self):
-        try:
-            obliq.connect(self.address).close()
-            return True
-        except obliq.ObliqError:
-            return False
+        self.server = programs.daemon(self.scene, f"server.port={self.port}", "http.enabled=false", obliqd=self.bin / "obliqd",
+                                      log=self.folder / "obliqd.log")
 
     def obliq(self, *words):
-        done = subprocess.run([self.programs / "obliq", *map(str, words), "--server", self.address], capture_output=True, text=True)
+        done = subprocess.run([self.bin / "obliq", *map(str, words), "--server", self.address], capture_output=True, text=True)
         if done.returncode != 0:
             self.refusals.append(f"{' '.join(map(str, words))}: {done.stderr.strip()}")
         return done.stdout
@@ -231,17 +212,17 @@ class Exercise:
         recorders = [self.record(radar) for radar in ("main", "host")]
         simulator.start()
         host.start()
-        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "a flight of both radars")
+        await_that(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "a flight of both radars")
         self.operate(2 * self.unit_s)
         self.bookmark("before the pause")
         # A pause of all that fly.
         simulator.flies, host.pauses = False, True
         simulator.send(order(STOP))
-        until(lambda: self.state().radars[0].frozen and self.state().radars[1].frozen, "radars that are frozen by Stop/Freeze")
+        await_that(lambda: self.state().radars[0].frozen and self.state().radars[1].frozen, "radars that are frozen by Stop/Freeze")
         time.sleep(self.unit_s)
         simulator.send(order(RESUME, (65535, 65535, 65535)))
-        until(lambda: not any(radar.frozen for radar in self.state().radars), "radars that go on")
-        until(self.knobs_are_free, "knobs that the flights let go")  # they held them to freeze and to thaw
+        await_that(lambda: not any(radar.frozen for radar in self.state().radars), "radars that go on")
+        await_that(self.knobs_are_free, "knobs that the flights let go")  # they held them to freeze and to thaw
         simulator.flies, host.pauses, host.settles = True, False, time.monotonic() + 0.2
         self.operate(self.unit_s)
         for rate, resets in ((1.0, True), (10.0, False), (1.0, False), (0.5, False)):
@@ -261,13 +242,11 @@ class Exercise:
         host.settles = time.monotonic() + 1
         # Server and host are killed; all that were there come back by themselves, the host by hand.
         self.server.kill()
-        self.server.wait()
         flight.kill()
-        flight.wait()
         self.serve()
         flight = self.fly("aircraft")
         self.obliq("load", self.folder / "state.toml")
-        until(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "a flight after the restart")
+        await_that(lambda: all(r.pose.pose_id > 3 for r in self.state().radars[:2]), "a flight after the restart")
         self.operate(2 * self.unit_s)
         self.bookmark("the end")
         time.sleep(0.5)  # the recorders write it
@@ -275,18 +254,14 @@ class Exercise:
         host.ends.set()
         host.join(20)
         for program in (flight, *recorders):
-            program.send_signal(signal.SIGINT)
-        codes = [program.wait(30) for program in (flight, *recorders)]
+            program.send(signal.SIGINT)
+        codes = [program.finish(30) for program in (flight, *recorders)]
         log, ended = self.log(), self.state()
-        self.stop()
+        self.server.stop()
         self.serve()
         equal = self.again(log, ended)
-        self.stop()
+        self.server.stop()
         return host, same, codes, equal
-
-    def stop(self):
-        self.server.send_signal(signal.SIGTERM)
-        self.server.wait(30)
 
     def again(self, log, ended):
         """Whether a log, done again on a server that has just begun, gives the knobs that the exercise ended with."""

@@ -37,10 +37,10 @@ threads = 1
   ASSERT_FALSE(daemon.address().empty()) << daemon.log();
   FlightOrder order;
   order.server = *client::parse_endpoint(daemon.address());
-  // The first pose is where the scene was loaded. 2 km of margin at 200 m/s: a window may take 5 s.
+  // The first pose is where the scene was loaded. 2 km of margin at 250 m/s: a window may take 4 s.
   order.course = {33 + 8000 / 111195.0, -99, 40000, 8000};
   order.distance_m = 6000;
-  order.speed_m_s = 200;
+  order.speed_m_s = 250;
   order.frame_rate_hz = 5;
   const FlightReport report = fly(order);
   EXPECT_EQ(report.failure, "") << daemon.log();

@@ -14,7 +14,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "server/rendering/scene_renderer.h"
 #include "terrain/base/units.h"
-#include "tests/integration/render_listener.h"
+#include "tests/integration/rendering/render_listener.h"
 #include "tests/support/scenes.h"
 
 namespace obliq::test {

@@ -1,13 +1,15 @@
 """Connections that hold places: silent ones, TLS handshakes again and again, thousands that come and go."""
 import contextlib
 import ssl
+import threading
 import time
 
+import crowd
 import web
 import wire
 from place import attack
 
-LOGINS = 4
+CROWD, LOGINS = 16, 4
 WAITING = 200  # held at a time: more than server.max_waiting, fewer than the descriptors of this program
 
 
@@ -101,25 +103,17 @@ def handshakes(place):
 
 
 @attack()
-def byte_by_byte(place):
-    """Headers that never end, resets in the middle of a message, lengths as large as they can be."""
-    served, until, count = place.daemon("server.handshake_timeout_s=1", "http.timeout_s=1"), place.until(), 0
-    while time.monotonic() < until:
-        with contextlib.suppress(OSError):
-            kind = count % 3
-            peer = wire.plain_socket(served.port if place.random.random() < 0.5 else served.web_port,
-                                     f"127.0.12.{count % 100 + 1}", timeout=5)
-            if kind == 0:
-                for byte in b"OBLQ\x01\x01\x01\0" if place.random.random() < 0.5 else b"GET /met":
-                    peer.sendall(bytes([byte]))
-                    time.sleep(0.01)
-            elif kind == 1:
-                peer.sendall(b"OBLQ" + place.random.randbytes(place.random.randint(1, 60)))
-            else:
-                peer.sendall(b"OBLQ" + b"\xff" * 60)
-            wire.reset(peer)
-        count += 1
-    return f"{count} visits"
+def many_kinds(place):
+    """The soak's crowd in a hurry: headers that never end, resets in the middle of a message, lengths as large as they can be."""
+    served, counts, stop = place.daemon("server.handshake_timeout_s=1", "http.timeout_s=1"), {}, threading.Event()
+
+    def come(k):
+        crowd.visits([served.port, served.web_port], None, stop, counts, pace=0.02, sources=[f"127.0.12.{k + 1}"])
+
+    timer = threading.Timer(place.seconds, stop.set)
+    timer.start()
+    place.together([lambda k=k: come(k) for k in range(CROWD)])
+    return f"{sum(counts.values())} visits of {len(counts)} kinds"
 
 
 @attack()

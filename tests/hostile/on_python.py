@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 
-import process
+import programs
 import wire
 from place import Skipped, attack
 
@@ -50,7 +50,7 @@ def python(place, *words, environment=None, gigabytes=12):
     if subprocess.run([sys.executable, "-c", "import obliq"], env={**os.environ, "PYTHONPATH": SOURCE},
                       capture_output=True).returncode != 0:
         raise Skipped("no numpy or CRC-32C for Python here; deploy/install-deps.sh test installs them")
-    program = process.Program([sys.executable, "-B", *words], place.path(f"log.{len(place.programs)}"),
+    program = programs.Program([sys.executable, "-B", *words], place.path(f"log.{len(place.programs)}"),
                               {"PYTHONPATH": SOURCE, **(environment or {})}, gigabytes)
     place.programs.append(program)
     return program
@@ -111,7 +111,7 @@ def told(place, program, cases=0):
     cases 0: it may say anything of them, or nothing."""
     code = program.finish(MOST_S + 5 * cases, processor=MOST_S)
     said = program.log().splitlines()
-    place.expect(code == 0, f"Python: {process.ending(code) if isinstance(code, int) else code}: {program.log()[-300:]}")
+    place.expect(code == 0, f"Python: {programs.ending(code) if isinstance(code, int) else code}: {program.log()[-300:]}")
     place.expect(program.most_mb <= MOST_MB, f"Python took {program.most_mb:.0f} MB; allowed: {MOST_MB}")
     place.expect(len(said) == (cases or len(said)) and all(line.startswith(FAMILY) for line in said),
                  f"Python said {said[-2:]}; {len(said)} lines for {cases} cases")

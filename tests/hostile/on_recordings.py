@@ -2,7 +2,7 @@
 import struct
 import time
 
-import process
+import programs
 import wire
 from place import attack
 
@@ -77,4 +77,4 @@ def served_damage(place):
             data[k] ^= 0x55
     served = place.replay(place.write("damaged.obliq", bytes(data)), "--loop", ends=(0, 2))
     time.sleep(place.seconds)
-    return f"{len(frames)} frames, {len(frames[2::3])} of them damaged; {process.memory_mb(served.pid):.0f} MB"
+    return f"{len(frames)} frames, {len(frames[2::3])} of them damaged; {programs.memory_mb(served.pid):.0f} MB"

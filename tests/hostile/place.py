@@ -14,11 +14,13 @@ import threading
 import time
 import zlib
 
-import process
 import web
 import wire
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.append(os.path.join(HERE, "../support"))
+import programs  # noqa: E402
+
 # Of an honest client's wait, in the server's processor time, which a busy machine does not stretch: where all held, 0.1 s was
 # the most, and 1.6 s the least that a fault took. The clock's bound is for a server that waits without working.
 MOST_GAP_PROCESSOR_S, MOST_GAP_CLOCK_S = 1.0, 60.0
@@ -71,7 +73,7 @@ class Place:
         self.random = random.Random(seed ^ zlib.crc32(name.encode()))
         self.faults, self.served, self.programs, self.open = [], [], [], contextlib.ExitStack()
         self.tokens, self.waits = {}, []
-        self.slack = SANITIZED if process.is_sanitized(os.path.join(self.bin, "obliqd")) else 1
+        self.slack = SANITIZED if programs.is_sanitized(os.path.join(self.bin, "obliqd")) else 1
 
     # ---- What attacks use ----
 
@@ -138,7 +140,7 @@ class Place:
 
     def command(self, *words, environment=None, gigabytes=9, name="obliq"):
         """A command of the project, begun: with little room to grow."""
-        program = process.Program([os.path.join(self.bin, name), *words], self.path(f"log.{len(self.programs)}"), environment,
+        program = programs.Program([os.path.join(self.bin, name), *words], self.path(f"log.{len(self.programs)}"), environment,
                                   gigabytes if self.slack == 1 else 0)
         self.programs.append(program)
         return program
@@ -180,7 +182,7 @@ class Place:
     # ---- What is looked at ----
 
     def serve(self, words, bounds, tls, turns):
-        served = process.Served(words, self.path(f"served.{len(self.served)}"))
+        served = programs.Served(words, log=self.path(f"served.{len(self.served)}"))
         served.bounds, served.tls, served.watcher = bounds, tls, None
         self.served.append(served)
         if bounds.watched:
@@ -189,7 +191,7 @@ class Place:
             served.watcher = subprocess.Popen([sys.executable, "-B", os.path.join(HERE, "watcher.py"), json.dumps(given)],
                                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
             self.await_frames(served, "the watcher gets no frames to begin with")
-            served.first_mb, served.first_descriptors = process.memory_mb(served.pid), served.descriptors()
+            served.first_mb, served.first_descriptors = programs.memory_mb(served.pid), served.descriptors()
             self.seen(served, "anew")
         return served
 
@@ -216,7 +218,7 @@ class Place:
         """After the attack; its sockets are closed."""
         bounds = served.bounds
         if not served.lives():
-            self.faults.insert(0, f"{os.path.basename(served.words[0])} {process.ending(served.process.returncode)}")
+            self.faults.insert(0, f"{os.path.basename(served.words[0])} {programs.ending(served.process.returncode)}")
         else:
             served.look()
             if served.watcher:
@@ -231,7 +233,7 @@ class Place:
             self.expect(left <= LEFT_OPEN, f"{left} descriptors more than at first")
             ended = served.stop()
             self.expect(ended in bounds.ends, "does not stop"
-                        if ended == "still at work" else f"stopped, {process.ending(ended)}")
+                        if ended == "still at work" else f"stopped, {programs.ending(ended)}")
         grown = served.log_bytes() - served.first_log_bytes
         self.expect(grown <= bounds.log_kb * 1000, f"the log grew by {grown / 1000:.0f} kB; allowed: {bounds.log_kb}")
         longest = max(map(len, served.log().splitlines()), default=0)
@@ -268,7 +270,7 @@ class Place:
                 program.kill()
                 self.expect(False, f"{' '.join(program.words[1:3])}: still there")
             code = program.process.returncode
-            self.expect(code >= 0 or program.killed, f"{' '.join(program.words[1:3])[:80]} {process.ending(code)}")
+            self.expect(code >= 0 or program.killed, f"{' '.join(program.words[1:3])[:80]} {programs.ending(code)}")
             self.expect("Traceback" not in program.log(), f"{' '.join(program.words[1:3])[:80]}: a traceback")
 
     def end(self):

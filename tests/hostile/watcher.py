@@ -2,12 +2,15 @@
 asks for the list of radars again and again. For each line of its standard input it prints what it has seen so far, as JSON, and
 after the line "anew" it forgets that. Its arguments are JSON too."""
 import json
+import os
 import sys
 import threading
 import time
 
-import process
 import wire
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../support"))
+import programs  # noqa: E402
 
 TURN_S = 0.05
 ASK_S = 0.05
@@ -23,7 +26,7 @@ class Gap:
 
     def now(self):
         try:
-            return process.processor_s(self.pid), time.monotonic()
+            return programs.processor_s(self.pid), time.monotonic()
         except OSError:  # it has ended
             return self.last[0], time.monotonic()
 

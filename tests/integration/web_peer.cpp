@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/clients.h"
-#include "tests/integration/session_record.h"
+#include "tests/integration/session/session_record.h"
 
 namespace obliq::test {
 namespace {

@@ -38,7 +38,7 @@ class Connection(unittest.TestCase):
         print(f"  grey {took:.2f} s after the daemon was killed")
         self.page.await_words("No connection to the server.")
         self.page.await_words("Next attempt in")
-        daemon._process.wait()
+        daemon.stop()
         before = self.page.script("return obliq.meter.drawn")
         daemon.start()
         took = self.seconds_until(f"!{STALE} && obliq.meter.drawn > {before} + 1", "a live picture")

@@ -1,7 +1,6 @@
 """A served recording on the page: pause, seek, speed; two stations see the same."""
 import datetime
 import re
-import subprocess
 import unittest
 
 import support
@@ -17,18 +16,14 @@ class Debrief(unittest.TestCase):
         live.run("record", "--server", live.address, "--radar", "scan", "--planes", "video,state", "--seconds", SECONDS, "--out", cls.file)
         live.stop()
         cls.live = live  # its folder has the file
-        port, http = support.free_ports(2)
-        cls.replay = subprocess.Popen([support.OBLIQ, "replay", str(cls.file), "--serve", "--hold", "--port", str(port), "--http-port",
-                                       str(http)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        cls.replay = support.programs.replay(cls.file, "--hold", "--http-port", "0")
         cls.addClassCleanup(cls.end)
-        cls.url = f"http://127.0.0.1:{http}/"
-        support.await_that(lambda: support.listens(http), "the replay")
+        cls.url = f"http://127.0.0.1:{cls.replay.web_port}/"
         cls.page, cls.other = support.Page(), support.Page()
 
     @classmethod
     def end(cls):
         cls.replay.kill()
-        cls.replay.wait()
 
     def both(self, script, what):
         for page in (self.page, self.other):

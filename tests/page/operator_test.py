@@ -55,7 +55,7 @@ return sum / table.size / 3;
 """
 
 
-class Operator(unittest.TestCase):
+class BaseOperator(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.daemon = support.Daemon(NOISY)
@@ -81,6 +81,8 @@ class Operator(unittest.TestCase):
         self.page.await_script(f"Number(obliq.panes[0].bins.descriptor.settings.{name} ?? 0) === {value}", "the next frame")
         self.page.await_frame(2)
 
+
+class Echoes(BaseOperator):
     # ---- Levels
 
     def test_gain_is_seen_and_auto_sets_once(self):
@@ -202,6 +204,8 @@ class Operator(unittest.TestCase):
         patterns = {tuple(tile) for state, tile in enumerate(tiles) if state != 1}
         self.assertEqual(len(patterns), 4)
 
+
+class Lines(BaseOperator):
     # ---- Words and lines on the picture
 
     def test_the_picture_carries_its_own_numbers(self):

@@ -37,7 +37,7 @@ return bad;
 """
 
 
-class People(unittest.TestCase):
+class BasePeople(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.daemon = support.Daemon()
@@ -60,6 +60,12 @@ class People(unittest.TestCase):
                 return over
             time.sleep(0.05)
 
+    def press(self, key):
+        self.page.script("""document.activeElement?.blur?.();
+            document.body.dispatchEvent(new KeyboardEvent('keydown', { key: arguments[0], bubbles: true, cancelable: true }))""", key)
+
+
+class Layout(BasePeople):
     def test_sizes_without_scroll_bars(self):
         for size, (width, height, _) in SIZES.items():
             for panes in (1, 2):
@@ -115,10 +121,6 @@ class People(unittest.TestCase):
         self.press("?")
         self.page.await_script("document.getElementById('help').open", "the list of keys")
 
-    def press(self, key):
-        self.page.script("""document.activeElement?.blur?.();
-            document.body.dispatchEvent(new KeyboardEvent('keydown', { key: arguments[0], bubbles: true, cancelable: true }))""", key)
-
     def test_settings_stay_in_the_fragment_and_come_back(self):
         self.show("a=main")
         for key in ("c", "n", "u"):
@@ -161,6 +163,8 @@ class People(unittest.TestCase):
             self.page.await_script(f"obliq.tabs.current === '{tab}'", "the tab")
             self.assertEqual(self.page.script(CONTRAST), [], f"texts with less than 4.5:1 in {tab}")
 
+
+class Pictures(BasePeople):
     def test_the_console_is_silent_and_nothing_comes_from_elsewhere(self):
         """Of a server that is ready: one that is away or loads refuses requests, which the browser itself notes (connection_test)."""
         self.show("a=main&panes=2&b=frustum%20oblique&overlay=1")

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the tests of one file: run.py NAME_test. Exit code 77 where something that they need is missing."""
-import importlib
+"""Runs the tests of a file or of one class in it: run.py NAME_test[.CLASS]. Exit code 77 where something that they need is missing."""
 import pathlib
 import sys
 import unittest
@@ -14,7 +13,7 @@ def main():
     if lacking:
         print(f"skipped: {lacking} missing; deploy/install-deps.sh test installs it")
         return 77
-    suite = unittest.defaultTestLoader.loadTestsFromModule(importlib.import_module(sys.argv[1]))
+    suite = unittest.defaultTestLoader.loadTestsFromName(sys.argv[1])
     result = unittest.TextTestRunner(verbosity=2).run(suite)
     if result.testsRun == 0:
         print("no test ran")

@@ -4,19 +4,17 @@ import contextlib
 import os
 import pathlib
 import shutil
-import signal
 import socket
 import subprocess
 import sys
 import tempfile
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "client" / "python" / "src"))
-os.environ.setdefault("OBLIQ_CACHE_DIR", "")
+sys.path[:0] = [str(ROOT / "client" / "python" / "src"), str(ROOT / "tests" / "support")]
+import programs  # noqa: E402
+from programs import BIN, OBLIQ, OBLIQD, free_ports  # noqa: E402, F401
 
-BIN = pathlib.Path(os.environ.get("OBLIQ_BIN", ROOT / "build" / "release" / "bin"))
-OBLIQ, OBLIQD = str(BIN / "obliq"), str(BIN / "obliqd")
+os.environ.setdefault("OBLIQ_CACHE_DIR", "")
 PATIENCE_S = 100  # of a test on a busy machine; a figure that matters is printed
 
 # The second radar stands 25 km away, so that the scene's origin is far from both.
@@ -65,15 +63,6 @@ scan.rate_deg_s = 90.0
 """
 
 
-def free_ports(count):
-    """Ports that nobody listens on at this moment."""
-    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
-    ports = [held.getsockname()[1] for held in sockets]
-    for held in sockets:
-        held.close()
-    return ports
-
-
 def listens(port):
     """Whether somebody answers on a port of this machine."""
     with socket.socket() as tried:
@@ -82,12 +71,7 @@ def listens(port):
 
 def await_that(question, what, patience_s=PATIENCE_S):
     """The first true answer; an AssertionError with `what` where none comes."""
-    end = time.monotonic() + patience_s
-    while not (answer := question()):
-        if time.monotonic() > end:
-            raise AssertionError(f"waited {patience_s} s for {what}")
-        time.sleep(0.05)
-    return answer
+    return programs.await_that(question, what, patience_s)
 
 
 class Daemon:
@@ -101,32 +85,27 @@ class Daemon:
         else:
             self.scene = self.folder / "scene.toml"
             self.scene.write_text(scene)
-        self.port, self.http_port = free_ports(2)
-        self._words = [OBLIQD, "--config", str(self.scene), "--port", str(self.port)]
-        for setting in (f"http.port={self.http_port}", *settings):
-            self._words += ["--set", setting]
-        self._log = open(self.folder / "log", "ab")
+        self.port, self.http_port = programs.free_ports(2)
+        self._settings = (f"server.port={self.port}", f"http.port={self.http_port}", *settings)
         self._process = None
         self.start(wait)
         atexit.register(self.close)
 
     def start(self, wait=True):
-        self._process = subprocess.Popen(self._words, stdout=self._log, stderr=self._log)
         if wait:
-            before = self.log().count("ready: ")
-            await_that(lambda: self.log().count("ready: ") > before or self._process.poll() is not None, "the daemon")
-            if self._process.poll() is not None:
-                raise AssertionError(f"obliqd ended at its start: {self.log()[-2000:]}")
+            self._process = programs.daemon(self.scene, *self._settings, log=self.folder / "log")
+        else:
+            words = [word for setting in self._settings for word in ("--set", setting)]
+            self._process = programs.Program([programs.OBLIQD, self.scene, *words], log=self.folder / "log")
 
     def log(self):
         return (self.folder / "log").read_text(errors="replace")
 
     def signal(self, number):
-        self._process.send_signal(number)
+        self._process.send(number)
 
     def stop(self):
-        self.signal(signal.SIGTERM)
-        self._process.wait(PATIENCE_S)
+        self._process.stop(seconds=PATIENCE_S)
 
     @property
     def url(self):
@@ -144,10 +123,8 @@ class Daemon:
         return done.stdout
 
     def close(self):
-        if self._process and self._process.poll() is None:
+        if self._process:
             self._process.kill()
-            self._process.wait()
-        self._log.close()
         with contextlib.suppress(OSError):
             self._folder.cleanup()
 

@@ -11,7 +11,7 @@ import unittest
 import numpy as np
 
 import support
-from support import obliq
+from support import obliq, programs
 from targets_test import north_of
 
 LIGHT_M_S = 299792458.0
@@ -64,15 +64,8 @@ def server_of(text):
 @contextlib.contextmanager
 def replay_of(recording):
     """A client of a replay that begins anew at the end."""
-    process = subprocess.Popen([support.OBLIQ, "replay", recording, "--serve", "--port", "0", "--loop"], stdout=subprocess.PIPE,
-                               text=True)
-    try:
-        with obliq.connect(process.stdout.readline().split(" on ")[1].strip()) as server:
-            yield server
-    finally:
-        process.terminate()
-        process.wait(30)
-        process.stdout.close()
+    with programs.replay(recording, "--loop") as replay, obliq.connect(replay.address) as server:
+        yield server
 
 
 class Pulses(unittest.TestCase):

@@ -1,11 +1,10 @@
 """Pause, speed and place of a served replay."""
 import asyncio
-import subprocess
 import unittest
 
 import made_recording
 import support
-from support import OBLIQ, Folder, obliq
+from support import Folder, obliq, programs
 
 
 class Replayed(Folder):
@@ -13,12 +12,9 @@ class Replayed(Folder):
         super().setUp()
         path = self.folder / "made.obliq"
         self.begins = made_recording.write(path, seconds=60, azimuths=32, ranges=16)
-        self.replay = subprocess.Popen([OBLIQ, "replay", str(path), "--serve", "--port", "0", "--hold"],
-                                       stdout=subprocess.PIPE, text=True)
-        self.addCleanup(self.replay.stdout.close)
-        self.addCleanup(self.replay.wait, 30)
-        self.addCleanup(self.replay.terminate)
-        self.address = self.replay.stdout.readline().split(" on ")[1].strip()
+        self.replay = programs.replay(path, "--hold")
+        self.addCleanup(self.replay.stop)
+        self.address = self.replay.address
 
     def test_its_state_is_that_of_the_recording(self):
         with obliq.connect(self.address) as server:

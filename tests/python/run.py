@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the tests of one file: run.py NAME_test. Exit code 77 where all of them were skipped, each with its reason."""
+"""Runs the tests of a file or of one class in it: run.py NAME_test[.CLASS]. Exit code 77 where all of them were skipped, each with its reason."""
 import importlib
 import pathlib
 import sys
@@ -10,13 +10,13 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 def main():
     try:
-        module = importlib.import_module(sys.argv[1])
+        importlib.import_module(sys.argv[1].split(".")[0])
     except ImportError as error:
         if error.name in ("numpy", "google", "google.protobuf") or "CRC-32C" in str(error):
             print(f"skipped: {error}; deploy/install-deps.sh test installs it")
             return 77
         raise
-    suite = unittest.defaultTestLoader.loadTestsFromModule(module)
+    suite = unittest.defaultTestLoader.loadTestsFromName(sys.argv[1])
     result = unittest.TextTestRunner(verbosity=2).run(suite)
     if result.testsRun == 0:
         print("no test ran")

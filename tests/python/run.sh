@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run.sh NAME_test: tests of the Python package with the first interpreter that can import what it needs.
+# run.sh NAME_test[.CLASS]: tests of the Python package with the first interpreter that can import what it needs.
 # run.sh --program FILE [ARGUMENT...]: a program of it.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

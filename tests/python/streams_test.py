@@ -1,11 +1,9 @@
 """Live radars: streams, wedges, control, losses, against a daemon."""
-import os
-import signal
 import time
 import unittest
 
 import support
-from support import Folder, obliq
+from support import Folder, obliq, programs
 import numpy as np
 
 
@@ -165,33 +163,16 @@ class Live(unittest.TestCase):
 
 class Lost(Folder):
     def test_a_daemon_that_is_killed_is_a_lost_connection(self):
-        with support.daemon() as address:
-            server = obliq.connect(address)
+        with programs.daemon(support.scene(self.folder)) as daemon:
+            server = obliq.connect(daemon.address)
             stream = server.radar("main").stream(rate_hz=20, planes="state")
             next(stream)
-            daemon = self.kill_all_of(address)
+            daemon.kill()
             with self.assertRaises(obliq.ConnectionLost):
                 for _ in range(100):
                     next(stream)
             with self.assertRaises(ConnectionError):
                 server.status()
-            self.assertTrue(daemon)
-
-    def kill_all_of(self, address):
-        """SIGKILL to the obliqd that listens there."""
-        port = f"{int(address.split(':')[1]):04X}"
-        with open("/proc/net/tcp") as table:
-            inode = next(line.split()[9] for line in list(table)[1:]
-                         if line.split()[1].endswith(":" + port) and line.split()[3] == "0A")
-        for pid in filter(str.isdigit, os.listdir("/proc")):
-            try:
-                files = [os.readlink(f"/proc/{pid}/fd/{fd}") for fd in os.listdir(f"/proc/{pid}/fd")]
-            except OSError:
-                continue
-            if f"socket:[{inode}]" in files:
-                os.kill(int(pid), signal.SIGKILL)
-                return int(pid)
-        raise AssertionError(f"nobody listens at {address}")
 
     def test_a_stream_goes_on_when_the_daemon_is_back(self):
         port = {}

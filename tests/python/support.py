@@ -8,19 +8,18 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.append(str(ROOT / "tests" / "support"))
 if "OBLIQ_INSTALLED" not in os.environ:  # the package of the tree, not one that is installed
     sys.path.insert(0, str(ROOT / "client" / "python" / "src"))
 os.environ.setdefault("OBLIQ_CACHE_DIR", "")  # tests leave nothing in the user's cache
 
 import obliq  # noqa: E402
+import programs  # noqa: E402
 from obliq import _wire, wire  # noqa: E402
-
-BIN = pathlib.Path(os.environ.get("OBLIQ_BIN", ROOT / "build" / "release" / "bin"))
-OBLIQ, OBLIQD = str(BIN / "obliq"), str(BIN / "obliqd")
+from programs import BIN, OBLIQ, OBLIQD  # noqa: E402, F401
 
 SCENE = """
 [terrain]
@@ -59,13 +58,10 @@ def scene(folder, text=SCENE, name="hills.toml"):
 
 @contextlib.contextmanager
 def daemon(text=SCENE, settings=None):
-    """The address of an obliqd of its own."""
-    with tempfile.TemporaryDirectory() as folder:
-        running = obliq.local_daemon(scene(folder, text), obliqd=OBLIQD, settings=settings)
-        try:
-            yield running.address
-        finally:
-            running.stop()
+    """The address of an obliqd of its own; settings: values in TOML by their keys."""
+    with tempfile.TemporaryDirectory() as folder, \
+            programs.daemon(scene(folder, text), *(f"{key}={value}" for key, value in (settings or {}).items())) as running:
+        yield running.address
 
 
 _shared = None
@@ -83,11 +79,7 @@ def shared_daemon():
 
 def wait_until(holds, seconds=20):
     """Until it holds, or the test fails."""
-    end = time.monotonic() + seconds
-    while not holds():
-        if time.monotonic() > end:
-            raise AssertionError(f"not within {seconds} s")
-        time.sleep(0.01)
+    programs.await_that(holds, "what the test waits for", seconds)
 
 
 def run(*words, check=True):

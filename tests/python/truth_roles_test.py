@@ -4,9 +4,7 @@ it, as it was rendered or recorded; others get nothing of it."""
 import contextlib
 import os
 import pathlib
-import re
 import signal
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -27,7 +25,6 @@ GET_TARGETS, TARGET_BLOCK, ROLE_TOO_LOW, REPLAY_ONLY = 35, 52, 108, 125  # proto
 TARGETS = [{"id": 5, "type": "truck", **north_of(3000, 5000), "velocity_north_m_s": 12.0}, {"id": 6, "rcs_dbsm": 30, **north_of(-4000, 100)},
            {"id": 1 << 40, "name": "far", "type": "truck", **north_of(4000, 4000)}]
 ROLES = ("viewer", "controller", "admin")
-READY, BROWSERS = re.compile(r"ready: .* on ([\d.]+:\d+)"), re.compile(r"(?:browser: http://|HTTP on )[\d.]+:(\d+)")
 
 
 def token_of(role):
@@ -40,16 +37,9 @@ class Served:
     def __init__(self, test, *words):
         self.tokens = test.folder / "tokens"
         self.give({role: role for role in ROLES})
-        log = test.folder / "served.log"
-        with open(log, "w") as file:
-            self.process = subprocess.Popen([*map(str, words), "--set", f"server.tokens={self.tokens}"], stdout=file, stderr=file)
-        test.addCleanup(self.process.wait, 30)
-        test.addCleanup(self.process.terminate)
-        support.wait_until(lambda: READY.search(log.read_text()) or self.process.poll() is not None)
-        said = log.read_text()
-        test.assertIsNone(self.process.poll(), said)
-        self.address = READY.search(said)[1]
-        self.port, self.web_port = int(self.address.rsplit(":", 1)[1]), int(BROWSERS.search(said)[1])
+        served = support.programs.Served([*words, "--set", f"server.tokens={self.tokens}"])
+        test.addCleanup(served.stop)
+        self.process, self.address, self.port, self.web_port = served.process, served.address, served.port, served.web_port
 
     def give(self, roles):
         """The token of each name means this role."""

@@ -1,6 +1,5 @@
 """Types and style of the Python package, by mypy and ruff in an environment of their own; skipped where the registry does not
-answer. And what needs neither: no import circle, docstrings on all that is public."""
-import ast
+answer. And what needs neither: docstrings on all that is public. Import circles: tests/structure.py."""
 import inspect
 import pathlib
 import subprocess
@@ -51,23 +50,6 @@ class Checked(unittest.TestCase):
 
 
 class Read(unittest.TestCase):
-    def test_modules_import_each_other_in_no_circle(self):
-        uses = {}
-        for path in SOURCES.glob("*.py"):
-            found = uses.setdefault(path.stem, set())
-            for node in ast.parse(path.read_text()).body:  # not those in functions, nor of type checkers alone
-                if isinstance(node, ast.ImportFrom) and node.level == 1:
-                    found |= {node.module.split(".")[0]} if node.module else {name.name for name in node.names}
-        uses.pop("__init__")
-
-        def walk(name, above):
-            self.assertNotIn(name, above, f"a circle: {' <- '.join([*above, name])}")
-            for other in uses.get(name, ()):
-                walk(other, [*above, name])
-
-        for name in uses:
-            walk(name, [])
-
     def test_all_that_is_public_has_a_docstring(self):
         def lacking(thing, name):
             if not inspect.getdoc(thing):

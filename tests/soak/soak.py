@@ -6,17 +6,19 @@ import os
 import re
 import shutil
 import signal
-import socket
 import statistics
 import subprocess
 import sys
 import threading
 import time
 
-import abuse
-from daemon_state import process_state, quantile, read_metrics
+from daemon_metrics import quantile, read_metrics
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path += [os.path.join(ROOT, "tests", folder) for folder in ("support", "hostile")]
+import crowd  # noqa: E402
+import programs  # noqa: E402
+
 SAMPLE_S = 5
 LATENCY_SAMPLES = 12  # a minute
 WARM_UP = 0.25  # of the time, 10 minutes at most
@@ -26,10 +28,9 @@ FIELDS = ["t_s", "rss_mb", "descriptors", "threads", "clients", "frames_per_s", 
           "render_p50_ms", "render_p99_ms", "pose_p50_ms", "pose_p99_ms"]
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+def process_state(pid):
+    """Resident memory (MB), descriptors and threads."""
+    return programs.memory_mb(pid), programs.descriptors(pid), programs.threads(pid)
 
 
 class Soak:
@@ -47,37 +48,23 @@ class Soak:
     def log(self, name):
         return os.path.join(self.out, name + ".log")
 
-    def text(self, name):
-        with open(self.log(name), encoding="utf-8", errors="replace") as file:
-            return file.read()
-
     def spawn(self, name, words):
-        with open(self.log(name), "wb") as log:
-            # A session of their own: a Ctrl-C is for the soak, which ends them in good order.
-            return subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                                    start_new_session=True)
+        return programs.Program(words, log=self.log(name))
 
     def start_daemon(self):
         scenes = os.path.join(ROOT, "deploy/scenes")
         tile = os.path.exists(os.path.join(scenes, "data/new_mexico_ned13.tif"))
         scene = os.path.join(scenes, "demo.toml" if tile else "demo_hills.toml")
-        words = [os.path.join(self.bin, "obliqd"), "--config", scene]
-        known = subprocess.run(words + ["--print-config"], capture_output=True, text=True, check=True).stdout
+        known = subprocess.run([os.path.join(self.bin, "obliqd"), "--config", scene, "--print-config"], capture_output=True, text=True,
+                               check=True).stdout
         # Small enough for a machine that does other things as well; time limits that abusers meet.
-        settings = ["server.port=0", "http.port=0", "frustum.pixels=[512, 256]", "bins.azimuth=128", "bins.range=256",
-                    "server.handshake_timeout_s=5", "server.message_timeout_s=5", "server.stall_timeout_s=5"]
-        self.modbus = free_port() if "[modbus]" in known else None
+        settings = ["frustum.pixels=[512, 256]", "bins.azimuth=128", "bins.range=256", "server.handshake_timeout_s=5",
+                    "server.message_timeout_s=5", "server.stall_timeout_s=5"]
+        self.modbus = programs.free_ports(1)[0] if "[modbus]" in known else None
         if self.modbus:
             settings += ["modbus.enabled=true", f"modbus.port={self.modbus}"]
-        for setting in settings:
-            words += ["--set", setting]
-        self.daemon = self.spawn("obliqd", words)
-        while "ready: " not in self.text("obliqd"):
-            if self.daemon.poll() is not None:
-                sys.exit("soak: obliqd does not start:\n" + self.text("obliqd"))
-            time.sleep(0.1)
-        self.address = re.search(r"ready: .* on (\S+)", self.text("obliqd")).group(1)
-        self.http = re.search(r"HTTP on ([0-9.:]+)", self.text("obliqd")).group(1).rstrip(":")
+        self.daemon = programs.daemon(scene, *settings, obliqd=os.path.join(self.bin, "obliqd"), log=self.log("obliqd"))
+        self.address, self.http = self.daemon.address, f"127.0.0.1:{self.daemon.web_port}"
         self.notes.append(f"scene {os.path.basename(scene)}, stream {self.address}, HTTP {self.http}, "
                           f"Modbus {self.modbus or 'not there'}")
 
@@ -98,7 +85,7 @@ class Soak:
                                         str(self.seconds)])
         ports = [int(a.rsplit(":", 1)[1]) for a in (self.address, self.http)] + ([self.modbus] if self.modbus else [])
         visitor = self.obliq("watch", "--rate", "10", "--reconnect", "0")
-        self.threads = [threading.Thread(target=abuse.abuse, args=(ports, visitor, self.stop, self.visits))
+        self.threads = [threading.Thread(target=crowd.visits, args=(ports, visitor, self.stop, self.visits))
                         for _ in range(ABUSERS)]
         self.threads += [threading.Thread(target=self.be_guest, args=(i,)) for i in range(GUESTS)]
         if self.modbus and shutil.which("mbpoll"):
@@ -156,8 +143,8 @@ class Soak:
             table.writeheader()
             while time.monotonic() - start < self.seconds and not self.interrupted:
                 time.sleep(min(SAMPLE_S, max(0.1, start + self.seconds - time.monotonic())))
-                if self.daemon.poll() is not None:
-                    self.faults.append(f"obliqd has ended, exit code {self.daemon.returncode}")
+                if not self.daemon.lives():
+                    self.faults.append(f"obliqd has ended, {programs.ending(self.daemon.process.returncode)}")
                     break
                 try:
                     table.writerow(self.sample(start, history))
@@ -169,27 +156,22 @@ class Soak:
 
     def end_clients(self):
         for name, watcher in self.watchers.items():
-            if watcher.poll() is not None:
-                self.faults.append(f"{name} has ended, exit code {watcher.returncode}: {self.text(name)[-300:]}")
-            watcher.terminate()
-            watcher.wait()
+            if not watcher.lives():
+                self.faults.append(f"{name} has {programs.ending(watcher.process.returncode)}: {watcher.log()[-300:]}")
+            watcher.stop()
         if self.interrupted:
             self.flyer.kill()
             self.notes.append(f"interrupted after {self.rows[-1]['t_s'] if self.rows else 0:.0f} s")
-        try:
-            if self.flyer.wait(timeout=30) != 0 and not self.interrupted:
-                self.faults.append("the controller: " + self.text("fly").strip()[-300:])
-        except subprocess.TimeoutExpired:
-            self.flyer.kill()
-            self.flyer.wait()
-            self.faults.append("the controller hangs")
-        self.notes.append("controller: " + self.text("fly").strip())
+        ended = self.flyer.finish(30)
+        if ended != 0 and not self.interrupted:
+            self.faults.append("the controller hangs" if ended == "still at work" else "the controller: " + self.flyer.log().strip()[-300:])
+        self.notes.append("controller: " + self.flyer.log().strip())
         self.stop.set()
         for thread in self.threads:
             thread.join()
 
     def end_daemon(self):
-        if self.daemon.poll() is not None:
+        if not self.daemon.lives():
             return
         # What abusers left half open is closed by the time limits above.
         for _ in range(40):
@@ -201,18 +183,12 @@ class Soak:
             self.notes.append(f"{what} with nobody there: {before} before, {after} after")
             if after > before:
                 self.faults.append(f"{after - before} {what} are left over")
-        self.daemon.send_signal(signal.SIGTERM)
-        try:
-            code = self.daemon.wait(timeout=60)
-        except subprocess.TimeoutExpired:
-            self.daemon.kill()
-            code = self.daemon.wait()
-        if code != 0:
-            self.faults.append(f"obliqd did not stop in good order: exit code {code}")
+        if (ended := self.daemon.stop(seconds=60)) != 0:
+            self.faults.append(f"obliqd did not stop in good order: {ended}")
 
     def judge_watchers(self):
-        for name in self.watchers:
-            text = self.text(name)
+        for name, watcher in self.watchers.items():
+            text = watcher.log()
             frames = [int(number) for number in re.findall(r"^frame (\d+): rendered", text, re.M)]
             skipped = sum(int(n) for n in re.findall(r", (\d+) skipped before it", text))
             aborted = len(re.findall(r"^frame \d+: aborted", text, re.M))
@@ -274,10 +250,8 @@ def main():
         soak.run()
     finally:
         soak.stop.set()
-        everyone = [getattr(soak, "daemon", None), getattr(soak, "flyer", None), *soak.watchers.values()]
-        for process in everyone:
-            if process is not None and process.poll() is None:
-                process.kill()
+        for program in filter(None, (getattr(soak, "daemon", None), getattr(soak, "flyer", None), *soak.watchers.values())):
+            program.kill()
     return soak.judge()
 
 

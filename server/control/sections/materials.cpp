@@ -32,7 +32,7 @@ constexpr double kSuburb_db = -5;       // [B] towns
 
 // A town's clutter has its corners in it: with these reckoned for themselves the rest of a house of 20 x 20 x
 // 8 m on ground of rms slope 0.1 is so far below that a town's mean stays within 2.1 dB at grazing angles of
-// 5 to 30 deg (tests/accuracy/corners_test.cpp).
+// 5 to 30 deg (tests/accuracy/radar/echo/corners_test.cpp).
 constexpr double kFloorBesideCorners_db = -10;
 
 // Relative permittivity at 10 GHz, e' and e''. Of concrete ITU-R P.2040-3, table 3 (e' = 5.24, conductivity

@@ -1,7 +1,7 @@
 #pragma once
 // Elementary functions whose bits do not depend on the C library's choice by processor, nor on whether they
 // are worked out for one double or for eight. Plain IEEE double operations only (the project is built with
-// -ffp-contract=off). tests/unit/radar_hit_lanes_test.cpp measures their errors against the C library in
+// -ffp-contract=off). tests/unit/radar/simd/hit_lanes_test.cpp measures their errors against the C library in
 // long double.
 #include <bit>
 #include <cmath>

@@ -8,14 +8,13 @@
 obliq.connect, obliq.local: blocking; obliq.aio.connect: for asyncio. obliq.open: a recording. obliq.load: a saved
 frame. obliq.batch, obliq.Dataset: data sets.
 """
-__version__ = "0.1.0"
-
 from . import aio, errors, ground
 from . import obliq_pb2 as wire
 from ._assembly import Wedge
 from ._batch import Job, batch, prepare, todo
 from ._progress import Done
 from ._requests import Accepted, RadarInfo, ServerInfo, Tls
+from ._version import __version__
 from ._dataset import Dataset
 from .client import Control, Radar, Replay, Server, Stream, Targets, connect
 from .errors import (
@@ -56,6 +55,6 @@ __all__ = [
     "Fault", "Frame", "FrameAborted", "GroundPoints", "InvalidValue", "Job", "Loss", "NotInControl", "ObliqError",
     "OverLimit", "Pose", "Radar", "RadarInfo", "RangeDoppler", "Recording", "Refused", "RenderFailed", "Replay", "ReplayOnly",
     "ReplayState", "Route", "Server", "ServerFull", "ServerInfo", "ServerStopping", "Settings", "Stream", "Target",
-    "Targets", "TimedOut", "Tls", "Train", "Unauthorized", "UnknownRadar", "Untrusted", "Wedge", "Window", "aio", "batch",
-    "connect", "errors", "ground", "load", "local", "local_daemon", "open", "prepare", "todo", "wire",
+    "Targets", "TimedOut", "Tls", "Train", "Unauthorized", "UnknownRadar", "Untrusted", "Wedge", "Window", "__version__", "aio",
+    "batch", "connect", "errors", "ground", "load", "local", "local_daemon", "open", "prepare", "todo", "wire",
 ]

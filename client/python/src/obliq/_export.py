@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from .files import whole
+from ._saving import whole
 from .xarrays import attributes, need, variable_attributes
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ._files import digest, parsed, write_whole
+from ._version import __version__
 from .client import Server
 from .frame import Frame
 from .parameters import Pose, Settings
@@ -90,8 +91,6 @@ def manifest_of(job: Job, worlds: Mapping[str, dict[str, Any]]) -> dict[str, Any
 
 def provenance(job: Job) -> dict[str, Any]:
     """Who made it, when; and its scene files, which are copied beside the manifest: what the words of the scene were."""
-    from . import __version__
-
     copies = {}
     for number, (scene, path) in enumerate(job.scenes.items()):
         copies[scene] = "scene.toml" if number == 0 else f"scene-{number}.toml"

@@ -258,9 +258,9 @@ class Frame:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """By suffix: .npz and .nc (obliq.load gives the same bits back), .tif (a map, as `obliq get` writes), .png."""
-        from . import files
+        from ._saving import save
 
-        files.save(self, path)
+        save(self, path)
 
     def plot(self, kind: Literal["ppi", "bscan"] = "ppi", ax: matplotlib.axes.Axes | None = None,
              range_db: tuple[float, float] | None = None, cmap: str = "gray") -> matplotlib.axes.Axes:
