@@ -48,7 +48,7 @@ struct LiveRadar {
   bool pose_has_sim_time = false;
   std::int64_t pose_received_ns = 0;
   Platform* platform = nullptr;  ///< that it rides on; null: none
-  bool has_heading = false;  ///< whoever flies it says where the nose points; else the bearing is the heading
+  bool has_heading = false;      ///< poses say where the nose points; else the bearing is the heading
   Claims claims;
   std::vector<Watcher> watchers;
   double rate_hz = 0;                                 ///< the fastest watcher's

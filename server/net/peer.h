@@ -69,7 +69,7 @@ class Peer {
   Role role = Role::viewer;
   std::optional<TokenDigest> credential;  ///< its token, where tokens are configured
   Outbox outbox;
-  bool follows_events = false;  ///< hears of each event of the exercise
+  bool follows_events = false;  ///< gets each event of the exercise
   int subscriptions = 0;
   std::vector<OnceRequestPtr> renders;  ///< not finished
   int queries = 0;                      ///< of the ground, not answered

@@ -32,12 +32,12 @@ class FairShare {
   /// Whether it has something to render now. A party that had not has no claim on the time it did not use.
   void set_wanting(std::size_t party, bool wanting);
 
-  /// Time has been spent on the piece that a party has in hand.
+  /// Time has been spent on a party's current piece.
   void charge(std::size_t party, double seconds);
   /// That piece is done.
   void done(std::size_t party);
 
-  /// Virtual end of the piece that the party has in hand, or of its next one if that began now. In seconds of
+  /// Virtual end of the party's current piece, or of its next one if that began now. In seconds of
   /// rendering.
   double end_s(std::size_t party) const;
   /// The wanting party with the earliest end; of equal ones the lowest number.
@@ -48,12 +48,12 @@ class FairShare {
  private:
   struct Party {
     bool wanting = false;
-    double begin_s = 0;            ///< virtual, of the piece in hand; as much as was paid for when none is
-    double spent_s = 0;            ///< on the piece in hand
+    double begin_s = 0;            ///< virtual, of the current piece; as much as was paid for when none is
+    double spent_s = 0;            ///< on the current piece
     std::optional<double> last_s;  ///< what the last piece took
   };
   double begin_of(const Party& party) const;
-  /// What the party's piece in hand, or its next one, is taken to cost in all.
+  /// Estimated cost of the party's current piece, or of its next one.
   double expected_s(const Party& party) const;
 
   std::vector<Party> parties_;

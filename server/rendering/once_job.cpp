@@ -45,11 +45,11 @@ struct OnceJob::Frame {
   std::uint64_t sequence = 0;
   std::optional<FrameSum> stats;
   std::optional<Receiver> receiver;
-  int next_azimuth = 0;              ///< of the slice in hand
+  int next_azimuth = 0;              ///< of the current slice
   int end_azimuth = 0;               ///< of the window
   double render_s = 0;               ///< in the turns before this one
-  bool goes_on = false;              ///< after the work in hand
-  std::unique_ptr<ParkedWork> work;  ///< the plan or a slice in hand; the last to be made, the first to go
+  bool goes_on = false;              ///< after the current work
+  std::unique_ptr<ParkedWork> work;  ///< the plan or the current slice; made last, destroyed first
 };
 
 OnceJob::OnceJob(const RenderContext& context) : context_(context) {}
@@ -78,13 +78,13 @@ void OnceJob::give_up() {
   all.swap(queue_);
 }
 
-/// Frames that have work in hand. With the mutex held.
+/// Frames that are being worked on. With the mutex held.
 int OnceJob::parked() const {
   return static_cast<int>(
       std::ranges::count_if(queue_, [](const auto& frame) { return frame->work != nullptr; }));
 }
 
-/// A slice in hand may end; another begins where its client has room, and the machine.
+/// The current slice may end; another begins where its client has room, and the machine.
 bool OnceJob::is_ready(const Frame& frame, int parked) const {
   const RenderThreadOptions& options = context_.options;
   const int most = std::max(kLeastParked, kParkedThreads / thread_count(options.threads));

@@ -1,5 +1,5 @@
 #pragma once
-// What the render thread is asked to render once, and what it tells of its work.
+// What the render thread is asked to render once, and what it reports.
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -76,7 +76,7 @@ class RenderEvents {
   virtual ~RenderEvents() = default;
   virtual void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) = 0;
   virtual void on_live_rendered(std::size_t radar, const RenderedFrame& frame) = 0;
-  /// A frame is due, but the radar has as many live frames as it may. Repeated until one has gone.
+  /// A frame is due, but live_frames is at its limit. Repeated until one has gone.
   virtual void on_live_held_up(std::size_t radar, double since_s) = 0;
   /// The radar cannot be rendered as it is; it is tried again when its view changes.
   virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,

@@ -35,14 +35,14 @@ class RenderThread {
   void start();
   /// Begins no further frame; those that have begun are rendered to their ends, then on_finished() is called.
   void finish();
-  /// Begins no further frame, and gives up those that have begun after the wedges in hand.
+  /// Begins no further frame, and gives up those that have begun after their current wedges.
   void stop();
   /// stop(), and waits for the thread.
   void end();
 
   // From any thread:
   void set_view(std::size_t radar, LiveView view);
-  /// None: no client watches; a frame in hand is given up.
+  /// None: no client watches; the current frame is given up.
   void set_demand(std::size_t radar, std::vector<Demand> demands);
   /// Total freeze of all radars: see LiveStream::hold.
   void hold(bool on);

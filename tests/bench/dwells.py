@@ -29,7 +29,7 @@ RADAR = {"frustum.quality": "draft", "radar.range_normalisation": False, "beam.p
 
 
 def ground_of(scene):
-    """Why its ground is not to be had, or None."""
+    """Why its ground is missing, or None."""
     with open(scene, "rb") as file:
         for path in tomllib.load(file)["terrain"].get("dem", ()):
             if not (scene.parent / path).exists():

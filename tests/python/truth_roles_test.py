@@ -211,7 +211,7 @@ class Replayed(Roles):
 
 
 class ReplayedPasses(Replayed):
-    """Of a scanning antenna: dwells tell of what is in their bins, the replay of all at a pass's end."""
+    """Of a scanning antenna: dwells have what is in their bins, the replay has all at a pass's end."""
 
     radar, told = "scan", {5, 1 << 40}
 

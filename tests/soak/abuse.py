@@ -1,5 +1,5 @@
 """Clients that do not behave. Each function is one visit; all keep few connections open, so that the limit of clients
-per address leaves room for those who behave."""
+per address leaves room for good clients."""
 import os
 import random
 import signal

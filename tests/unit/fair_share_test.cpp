@@ -32,7 +32,7 @@ struct Radar {
   double spent_s = 0;
   double worst_latency_s = 0;  // date to end
   int interrupted = 0;
-  double left_s = 0;  // of the frame in hand
+  double left_s = 0;  // of the current frame
   Time date;
   FrameDates dates;
 

@@ -35,13 +35,13 @@ std::string replay_speeds();
 
 class ReplayPlayer : public net::ReplayControl {
  public:
-  /// say: hears what is missing in the recording. ended: called once, after the last frame, unless it loops
+  /// say: gets what is missing in the recording. ended: called once, after the last frame, unless it loops
   /// or holds. Throws InputError.
   ReplayPlayer(std::string path, client::RecordingStart start, const ReplayOptions& options,
                std::function<void(const std::string&)> say, std::function<void()> ended);
 
-  /// Of another radar of the recording: from now on both are at one place, whoever steers which. Before
-  /// either plays; both must outlive all use.
+  /// Of another radar of the recording: from now on both are at one place, and steering one steers both.
+  /// Before either plays; both must outlive all use.
   void keep_in_step(ReplayPlayer& other);
 
   const client::RecordingStart& start() const { return start_; }
@@ -52,7 +52,7 @@ class ReplayPlayer : public net::ReplayControl {
   /// The next frame, when it is due; nothing new: waits a while. For one thread at a time.
   net::FrameRenderer::Plan plan(const SettingsPtr& settings);
 
-  /// Hands out no more; a frame in hand ends at once, where it may wait for a long time.
+  /// Hands out no more; a current frame ends at once where it may wait for long.
   void stop();
 
   std::vector<FieldError> set(const wire::SetReplay& wish) override;

@@ -6,7 +6,7 @@ import { refusalText } from "./form.js";
 const C_MPS = 299792458;
 const STANDS_MPS = 1; // what is slower does not fly
 const KEY = "radar.mode";
-const FOR_PROGRAMS = "pulses"; // it has no picture of its own
+const FOR_PROGRAMS = "pulses"; // no display for pulses: programs receive them
 
 /** As pictures say it: "MTI"; of a map nothing. @param {Record<string, any>} settings */
 export function modeWord(settings) {
@@ -59,7 +59,7 @@ export class ModeSwitch {
     this.choice = make("span", "choice", row);
     this.choice.setAttribute("role", "radiogroup");
     this.choice.setAttribute("aria-label", "Mode of the radar");
-    this.word = make("output", "holder", row); // for those who may not set it
+    this.word = make("output", "holder", row); // for clients that may not set it
     this.says = make("p", "hint", this.box);
     this.lacks = make("p", "hint lack", this.box);
     this.refusal = make("p", "refusal", this.box);

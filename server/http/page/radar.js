@@ -205,7 +205,7 @@ export class RadarControls {
   }
 
   /**
-   * The antenna is turned by the settings' holder; the radar, or the platform that it rides on, is moved by whoever holds its
+   * The settings' holder turns the antenna; the radar, or the platform that it rides on, is moved by the holder of its
    * pose: this page, when nobody does.
    * @param {Record<string, any>} pose fields that change
    */

@@ -27,15 +27,15 @@ struct GroundCut {
 };
 
 /// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen runs of segments go
-/// side by side: two planes of eight azimuth bins. Each has one bin on the way, the
-/// others are in the list in the order in which they ended. Seven digits do: distances are kept from where a
-/// segment begins, ranges to 4 mm at 37 km.
+/// side by side: two planes of eight azimuth bins. Each has one pending bin; the
+/// others are in the list in the order in which they ended. Float precision suffices: distances are kept from
+/// where a segment begins, ranges to 4 mm at 37 km.
 struct GroundEchoes {
   static constexpr int kRuns = 16;
   static constexpr int kLog2Runs = 4;
   static constexpr int kMost = 512;
   static constexpr int kSpare = 16;  ///< elements that may be written behind the last one
-  /// On the way: range bin, whole numbers; -1: none.
+  /// Pending: range bin, whole numbers; -1: none.
   float bin_now[kRuns];
   float distance_now_m[kRuns];
   float light_now[kRuns];

@@ -193,7 +193,7 @@ void SweepEchoes::end_stretch(std::size_t run) {
   s.height[n] = s.height_now[run];
 }
 
-/// What is on the way in a run ends here.
+/// Flushes the run's pending echo.
 void SweepEchoes::end_run(std::size_t run) {
   if (echoes_.bin_now[run] < 0) return;
   if (echoes_.n >= GroundEchoes::kMost) cells_.add(echoes_);
