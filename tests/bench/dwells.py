@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A host that commands the beam over Los Angeles: dwells of 16 degrees at 60 Hz, asked for by client/examples/dwell.cpp.
 
   tests/bench/dwells.py [--dwells 600] [--turns 3] [--bins 512x512] [--set KEY=VALUE]... [--scene FILE] [--python]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs the fenced blocks of a page, in order, as its reader would: sh and bash in one shell, python with an interpreter that
 has the package, toml into the file that the words before it name.
 

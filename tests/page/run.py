@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs the tests of one file: run.py NAME_test. Exit code 77 where something that they need is missing."""
 import importlib
 import pathlib

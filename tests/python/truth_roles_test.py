@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Who is told where targets are, by obliqd and by a replay with tokens, over TCP and WebSocket: server.truth_role and those above
 it, as it was rendered or recorded; others get nothing of it."""
 import contextlib
