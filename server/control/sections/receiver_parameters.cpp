@@ -37,9 +37,9 @@ const std::array kParameters{
     row<&RadarSettings::receiver, &ReceiverSettings::stc_power>(
         "receiver.stc_power", "", closed(0, 12), "stc_power", {287, u16, 1e2},
         "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
-    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>(
-        "receiver.stc_db", "dB", closed(0, 200), "stc_db", {288, i32, 1e3},
-        "It lowers the gain by at most this."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>("receiver.stc_db", "dB", closed(0, 200),
+                                                             "stc_db", {288, i32, 1e3},
+                                                             "It lowers the gain by at most this."),
     row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>(
         "receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
         "Bits of the converter, of I and of Q, 2 or more; 0: none.", {.not_ideal = true}),
