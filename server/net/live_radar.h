@@ -68,7 +68,7 @@ struct LiveRadar {
   bool frozen = false;       ///< the render thread keeps the view that it has
   double rate_limit_hz = 0;  ///< 0: none
 
-  /// Nobody says where the nose points, until somebody does; a platform always does.
+  /// Forgets the heading that poses gave; a platform always has one.
   void forget_heading() { has_heading = platform != nullptr; }
   std::size_t number() const { return stream_id - 1; }  ///< of the render thread
   LiveView view() const { return {settings.current(), pose, pose_received_ns, poses, false, initial.mount}; }

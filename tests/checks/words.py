@@ -25,6 +25,7 @@ WORDS = {
     r"(?:is|are|was) heard": "is received, is noticed",
     r"(?:what )?it is late by": "its delay",
     r"those who": "clients that, programs that",
+    r"somebody": "a client, the operator",
     r"whoever": "name who: the holder, any client",
     r"who (?:wants|asks)": "a client that",
     r"as ever": "as usual, unchanged",
