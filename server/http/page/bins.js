@@ -43,7 +43,7 @@ export class Bins {
     this.delay_ms = 40;
     this.hasStates = false;
     this.newest = null; // times of the newest row that was shown
-    this.passed = []; // ages of the beam in the rows shown since the last draw, ms
+    this.passed = []; // since the last look: how long ago the beam stood in each row that was shown, ms
     this.scanRow = -1;
     this.last = null; // of a scanning beam: the row shown before, and its bin
     this.gap = {};

@@ -16,7 +16,7 @@ const FEWEST_RINGS = 4;
 const MOST_RINGS = 6;
 const RING_STEPS = [1, 2, 5, 2.5, 4, 3, 1.5, 8, 6]; // times a power of ten, the roundest first
 
-/** Where the current drawing has words, for what is written later. @type {import("./ppi.js").Box[]} */
+/** Where this drawing has words, for what is written later. @type {import("./ppi.js").Box[]} */
 let written = [];
 
 function keepFree(left, right, top, bottom) {
