@@ -53,7 +53,7 @@ class Client {
   /// Connects and exchanges Hello and Welcome.
   Status connect(const Endpoint& endpoint, const ClientOptions& options = {});
   /// Once more, to the same server with the same options: what was asked for on the connection before is
-  /// forgotten, its frame in hand is lost (FrameHandler::on_lost).
+  /// forgotten, its current frame is lost (FrameHandler::on_lost).
   Status reconnect();
   const wire::Welcome& welcome() const;
   /// The message that brought it, byte for byte.

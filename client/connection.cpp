@@ -49,7 +49,7 @@ std::string shown(std::string_view text) {
   return bytes;
 }
 
-/// Who has said these first bytes, which are no obliq stream, and what to do about it.
+/// Guesses the protocol from the first bytes and suggests a fix.
 std::string foreign_greeting(std::span<const std::byte> first) {
   const std::string_view text(reinterpret_cast<const char*>(first.data()), first.size());
   std::string_view program = "another program";
@@ -128,7 +128,7 @@ Status Connection::foreign(std::span<const std::byte> magic) {
 Status Connection::receive_begun(Message& message) {
   const std::span<std::byte> all(message.head);
   const auto fixed = all.first<wire::kHeaderBytes>();
-  // The magic alone first: what is not obliq is known at once, however little it says.
+  // The magic alone first: four bytes tell a foreign protocol.
   const auto magic = fixed.first(kMagicBytes);
   if (Status status = socket_.receive(magic, kMessageTimeout); !status.ok()) return status;
   std::fill(fixed.begin() + kMagicBytes, fixed.end(), std::byte{0});

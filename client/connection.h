@@ -1,5 +1,5 @@
 #pragma once
-// Messages over a socket: framing, limits, CRC. Knows nothing of what they mean.
+// Messages over a socket: framing, limits, CRC. Does not interpret them.
 #include <array>
 #include <cstddef>
 #include <span>

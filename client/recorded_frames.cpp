@@ -131,8 +131,8 @@ class RecordedFrames::Collector : public FrameAssembler {
   bool is_mine(const wire::MessageHeader& header, std::uint64_t frame_id) const {
     return state() == State::receiving && header.stream_id == stream_id_ && frame_id == frame_id_;
   }
-  // What is of no frame in hand: of a stream that is the radar's, the first of a frame whose FrameBegin is
-  // missing is told.
+  // What belongs to no current frame: of a stream that is the radar's, the first of a frame whose FrameBegin
+  // is missing is told.
   Status orphan(const wire::MessageHeader& header, std::uint64_t frame_id) {
     if (state() == State::receiving || seen_.stream_id != header.stream_id || seen_.frame_id == frame_id)
       return {};
@@ -178,7 +178,7 @@ std::string RecordedFrames::frame_in_hand() const {
          " % of it arrived";
 }
 
-// The frame in hand will not be whole; its sentence.
+// Message for an incomplete frame.
 std::string RecordedFrames::lose() {
   const std::string text = frame_in_hand();
   if (!text.empty()) ++losses_.frames;
@@ -234,7 +234,7 @@ RecordedFrames::Found RecordedFrames::next(RecordedFrame& frame) {
       case RecordingReader::Found::damage: {
         const RecordingFault& fault = reader_->fault();
         ++losses_.damages;
-        // A block of the frame in hand may be among what was skipped.
+        // A block of the current frame may be among what was skipped.
         note_ = "damaged at offset " + std::to_string(fault.offset) + ": " + fault.reason + "; " +
                 std::to_string(fault.bytes) + " bytes skipped" + lose();
         return Found::note;

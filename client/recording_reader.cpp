@@ -17,7 +17,7 @@ using wire::MessageStatus;
 
 namespace {
 
-// Grows to twice the largest message when there is such a one.
+// Grows to twice the largest message when such a message comes.
 constexpr std::size_t kFirstBufferBytes = std::size_t{64} << 10;
 
 // The magic, as it lies in the file.

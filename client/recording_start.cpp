@@ -12,7 +12,7 @@ RecordingStart& RecordingStart::operator=(RecordingStart&&) noexcept = default;
 
 namespace {
 
-/// Hears a radar's frames as far as the first that has values, just enough to know its planes.
+/// Reads a radar's frames up to the first that has values, to learn its planes.
 class FirstFrame : public FrameHandler {
  public:
   FirstFrame(const std::string& radar, RecordingStart& start) : radar_(radar), start_(start) {}

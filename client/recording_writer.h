@@ -9,7 +9,7 @@
 namespace obliq::client {
 
 /// Writes a recording: whole messages, each handed to the kernel before the next, so that a process that is
-/// killed loses at most the one in hand. For one thread at a time.
+/// killed loses at most the current one. For one thread at a time.
 class RecordingWriter {
  public:
   RecordingWriter() = default;

@@ -21,7 +21,7 @@ struct ResumeOptions {
 };
 
 /// Connects again when the connection is lost, not when the server has refused this client for good. Frames
-/// in hand are discarded, frames of the time between are not to be had. Blocking, for one thread at a time.
+/// in progress are discarded; frames of the time between are lost. Blocking, for one thread at a time.
 class ResumingClient {
  public:
   /// client: has been connected once; its endpoint and options are used again.

@@ -13,7 +13,7 @@ int create_file(const std::string& path, bool overwrite, int& error);
 /// Both behind what is there, all of it or up to the error.
 int append_to_file(int file, std::span<const std::byte> first, std::span<const std::byte> second);
 bool cut_file(int file, std::uint64_t bytes);
-/// Waits until the disk has everything; what is no file (a pipe, a device) has nothing to wait for.
+/// Waits until the disk has everything; a pipe or a device has nothing to wait for.
 int flush_file(int file);
 int close_file(int file);
 

@@ -66,7 +66,7 @@ check_packages() {
   newer "$scratch/old" "$scratch/new"
   proof "apt-get -q update && apt-get -q install -y --no-install-recommends" >"$scratch/steps.sh"
   deploy/in-overlay.sh "$clean" "$scratch"
-  # Debian's custom: a package's user stays. Logs of apt and dpkg tell of every package.
+  # Debian's custom: a package's user stays. Logs of apt and dpkg name every package.
   if grep obliq "$scratch/changed" | grep -v '^\./var/\(log\|lib/dpkg\|lib/apt\|cache\)/'; then die "purged packages left these"; fi
   [ "$(grep -c obliq "$scratch/etc/passwd")" -eq 1 ] || die "/etc/passwd has not one line of the user obliq"
 }

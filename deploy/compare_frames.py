@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Compares two frames that `obliq render` or `obliq get` wrote.
 
   compare_frames.py bits A B       every plane the same, bit for bit

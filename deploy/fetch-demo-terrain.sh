@@ -62,7 +62,7 @@ if cached; then
   exit 0
 fi
 
-# One download at a time; whoever waited finds the finished file.
+# One download at a time; a second process waits and finds the finished file.
 exec 9>"$cache/.lock"
 flock --wait $((download_limit_s + 60)) 9 || die "another download holds $cache/.lock"
 if cached; then

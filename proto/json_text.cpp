@@ -45,7 +45,7 @@ void append_number(Number number, JsonStyle style, std::string& out) {
 }
 
 void append_text(const std::string& text, std::string& out) {
-  // What is no UTF-8 (a file's name, say) becomes U+FFFD.
+  // Bytes that are not UTF-8 (in a file's name, say) become U+FFFD.
   out += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

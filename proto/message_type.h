@@ -4,7 +4,7 @@
 namespace obliq::wire {
 
 /// The `type` field of the header. PROTOCOL.md says who sends which and what answers it. A receiver skips
-/// the numbers it does not know. Numbers are never reused.
+/// the numbers it does not know. Numbers are never reused; ADD_A_MESSAGE.md says which are free.
 enum class MessageType : std::uint16_t {
   hello = 1,
   welcome = 2,

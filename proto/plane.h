@@ -6,7 +6,7 @@
 namespace obliq::wire {
 
 /// One quantity per bin, or the samples of pulse trains; the numbers are those of the protobuf enumeration
-/// PlaneKind.
+/// PlaneKind. Free ones: ADD_A_MESSAGE.md.
 enum class Plane : std::uint8_t {
   iq = 0,
   power = 1,

@@ -31,13 +31,13 @@ check() {
   fi
 }
 
-# environment NAME PACKAGE...: python of a virtual environment with these, made once; 77 where they are not to be had.
+# environment NAME PACKAGE...: python of a virtual environment with these, made once; 77 where they cannot be installed.
 environment() {
   local folder=$work/env-$1 wanted="${*:2}"
   if [ "$(cat "$folder/installed" 2>/dev/null)" != "$wanted" ]; then
     rm -rf "$folder"
     python3 -m venv "$folder" && "$folder/bin/pip" install -q "${@:2}" || {
-      echo "not to be had: $wanted"
+      echo "cannot be installed: $wanted"
       return 77
     }
     echo "$wanted" >"$folder/installed"
@@ -82,7 +82,7 @@ sums() { "$work/env-all/bin/python" -c 'import obliq, sys; print(obliq.Dataset(s
 
 # The tests of the package against the wheel and the newest of everything.
 check_wheel() {
-  PYTHON=python3 deploy/build-wheel.sh --out "$work/wheel" || { echo "the build tool is not to be had"; return 77; }
+  PYTHON=python3 deploy/build-wheel.sh --out "$work/wheel" || { echo "the build tool cannot be installed"; return 77; }
   with_wheel all numpy protobuf google-crc32c zstandard xarray netCDF4 matplotlib rasterio nbclient ipykernel || return
   for name in wire frames files aio; do
     OBLIQ_INSTALLED=1 OBLIQ_PYTHON=$work/env-all/bin/python bash -c \
@@ -150,7 +150,7 @@ check_octave() {
   if ! command -v octave-cli >/dev/null || ! octave-cli --eval 'pkg load netcdf' 2>/dev/null; then
     [ "$(id -u)" -eq 0 ] && DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends octave octave-netcdf >/dev/null
   fi
-  octave-cli --eval 'pkg load netcdf' 2>/dev/null || { echo "octave with octave-netcdf is not to be had"; return 77; }
+  octave-cli --eval 'pkg load netcdf' 2>/dev/null || { echo "octave with octave-netcdf is not installed"; return 77; }
   (frame_files) || return 1
   octave-cli "$root/client/python/recipes/frame.m" "$work/frame/f.nc" >"$work/frame/octave.out" || return 1
   "$work/env-all/bin/python" - "$work/frame" <<'PY'
@@ -177,7 +177,7 @@ engine() {
   "$work/env-all/bin/python" -m obliq.batch "$work/scene/poses.jsonl" --out "$work/set-one" --server "$address" --shard-size 16 || return 1
   "$python" "$example" "$work/scene/poses.jsonl" "$out" "$address" ${3:-} &
   local run=$! victim=
-  # A worker, once there is a part: who has another one in hand.
+  # A worker, once there is a part: it is making another one.
   for _ in $(seq 1200); do
     if compgen -G "$out/part-*" >/dev/null; then
       victim=$(compgen -G "$out/.part-*" | head -1 | sed 's/.*\.\([0-9]*\)\.[0-9a-f]*$/\1/')

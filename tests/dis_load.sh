@@ -4,7 +4,7 @@
 #
 #   tests/dis_load.sh [--seconds N] [--bin DIR]     default: 30 s, build/release/bin
 #
-# Prints what was sent, understood and dropped, and the shares of a core. Exit code 77 where opendis is not to be had.
+# Prints what was sent, understood and dropped, and the shares of a core. Exit code 77 where opendis cannot be installed.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 work=$here/../build/clients
@@ -13,7 +13,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK=1
 if [ ! -e "$opendis/installed" ]; then
   rm -rf "$opendis"
   python3 -m venv "$opendis" && "$opendis/bin/pip" install -q opendis==1.0 || {
-    echo "skipped: opendis 1.0 is not to be had"
+    echo "skipped: opendis 1.0 cannot be installed"
     exit 77
   }
   touch "$opendis/installed"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How many tests were skipped, and for want of what: from what ctest --output-junit wrote.
+"""How many tests were skipped, and what they lack: from what ctest --output-junit wrote.
 
   tests/skipped.py FILE.xml
 """

@@ -7,7 +7,7 @@
 //   ... in every turn of the loop:  while (radar.TryTakeDwell(out var dwell)) picture = dwell.Picture.Video;
 //
 // Requests may come from any thread; each task ends when the server has answered, with an ObliqException when it
-// refused. What arrives waits for whoever takes it: of whole frames the newest, of dwells two turns of the antenna.
+// refused. What arrives waits until it is taken: of whole frames the newest, of dwells two turns of the antenna.
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;

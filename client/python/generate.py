@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes what the package takes from elsewhere: messages from proto/obliq.proto, parameters from `obliq parameters`, and the
 blocking classes from those for asyncio.
 

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The guide's picture of a town's corners: two headings 3 degrees apart, corners off and on.
 
   deploy/plots/corners.py FOLDER      writes corners.jpg there; needs obliqd, matplotlib and the package obliq

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The paper's Figure 1: the same scene through the symmetric and the oblique frustum, the whole map and a
 zoom at far range, on one grey scale. The inputs are folders that `obliq render` or `obliq get` wrote.
 

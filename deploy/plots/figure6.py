@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Plots the paper's Figure 6: slant-range step of one pixel row at the near and the far end of the swath, for the
 symmetric and the oblique frustum (antenna at 1 km over flat ground, 2048 rows, r_min = r_max / 10).
 

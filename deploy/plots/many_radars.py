@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Plots what many_radars measured: how late frames are, and how many of those asked for are delivered, against load.
 
   build/release/bin/many_radars tests/bench/paper_hills.toml --json many_radars.json

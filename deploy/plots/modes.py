@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """README's picture of real beam, DBS and SAR (town.toml), and the guide's of a convoy with MTI off and on (mti_convoy.toml).
 
   deploy/plots/modes.py FOLDER      writes modes.jpg and mti.jpg there; needs obliqd, matplotlib and the package obliq

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Plots what build/release/bin/scaling_bench measured: frame time against rays, bins, threads, posts,
 buildings and range, with the power law that each ends in.
 

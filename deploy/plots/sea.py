@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The guide's picture of a coast at sea states 1, 3 and 5 (coast.toml).
 
   deploy/plots/sea.py OBLIQ FOLDER      writes sea.jpg there; OBLIQ: the program; needs matplotlib and the scene's elevation model

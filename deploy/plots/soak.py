@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Plots what tests/soak.sh measured: memory, descriptors and threads, and latency over time.
 
   deploy/plots/soak.py soak.csv soak.png

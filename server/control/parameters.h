@@ -24,7 +24,7 @@ enum class ModbusWords {
   wavelength  ///< as f32, in metres, of a parameter that is a frequency in GHz
 };
 
-/// Where a parameter stands in the Modbus register map (server/modbus/REGISTERS.md).
+/// A place in the Modbus register map (server/modbus/REGISTERS.md). Free ones: ADD_A_PARAMETER.md.
 struct ModbusColumn {
   int address = -1;  ///< of the first register; -1: not in the map
   ModbusWords words = ModbusWords::u16;

@@ -72,7 +72,7 @@ void end_planes(ConfigNode& frustum) {
   const ConfigNode* planes = frustum.find("planes_per_bin");
   if (planes != nullptr &&
       (planes->layer > columns.layer || !std::holds_alternative<std::int64_t>(planes->value)))
-    return;  // what is no number is the reader's to refuse
+    return;  // the reader refuses what is not a number
   ConfigNode none = columns;
   none.key = "planes_per_bin";
   none.value = std::int64_t{0};

@@ -39,7 +39,7 @@ std::span<const Choice> quality_choices();
 
 /// A radar's [frustum], or the one that all radars share, with pixels and quality written out as the keys
 /// that they stand for. A key that the table names in the same layer or a later one stays. Columns that are
-/// named in no earlier layer than planes_per_bin decide: it becomes 0. What is no preset or no number of
+/// named in no earlier layer than planes_per_bin decide: it becomes 0. What is not a preset or a number of
 /// pixels stays too, for the reader to refuse.
 struct Frustum {
   ConfigNode table;

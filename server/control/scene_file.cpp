@@ -209,7 +209,7 @@ constexpr double kReachMargin = 1.25;
 /// Automatic cells leave room for the windows of a flight, two of which are in memory at times.
 constexpr double kAutoShare = 4;
 
-/// The finest posting of the national elevation models (3DEP): finer ground than that is not to be had.
+/// The finest posting of the national elevation models (3DEP): finer ground does not exist.
 constexpr double kFinestFootprint_m = 1.0;
 
 /// How densely a radar samples the ground along range: the finer of its range bins and its pixel rows, both

@@ -16,9 +16,9 @@
 namespace obliq {
 namespace {
 
-/// How often it is looked whether the last frame of a scene has ended.
+/// How often to check whether the last frame of a scene has ended.
 constexpr std::chrono::milliseconds kLook{50};
-/// A frame that no client takes must not hold up a flight: after this long there may be a third scene.
+/// A frame that clients never read must not delay loading: after this long there may be a third scene.
 constexpr std::chrono::seconds kLongestFrame{90};
 
 constexpr double kFirstPause_s = 5;
@@ -46,7 +46,7 @@ void check_size(const SceneConfig& config, const SceneWindow& window) {
                        .text());
 }
 
-/// Everywhere, where that cannot be said any more: the files were there a moment ago.
+/// Default: the whole world, if extents cannot be read any longer.
 SourceExtents extents_of(const SceneConfig& config) {
   try {
     return source_extents(config.world.terrain);

@@ -18,7 +18,7 @@ namespace obliq {
 class Scene;
 
 /// One background thread of low priority builds one scene at a time and hands it over; of several requests
-/// the newest wins, and what is in hand for an older one is given up or dropped. What cannot be loaded is
+/// the newest wins, and work for an older one is given up or dropped. What cannot be loaded is
 /// logged; the present scene stays. At most two scenes exist: a new one is begun when nothing
 /// holds the one before the last any more.
 class SceneKeeper {
@@ -39,7 +39,7 @@ class SceneKeeper {
   /// measured and failures are paused after; called on any thread.
   SceneKeeper(SceneConfig config, std::shared_ptr<const Scene> scene, Build build, Swap swap,
               Now now = Clock::now);
-  ~SceneKeeper();  // stops and joins; a build in hand is given up as soon as it can be
+  ~SceneKeeper();  // stops and joins; a running build is given up as soon as possible
   SceneKeeper(const SceneKeeper&) = delete;
   SceneKeeper& operator=(const SceneKeeper&) = delete;
 
@@ -90,9 +90,9 @@ class SceneKeeper {
   Speedometer speed_;
   SourceExtents extents_;  ///< of config_
   std::optional<Request> reload_;
-  std::stop_source build_stop_;  ///< of what is in hand: a newer request has come, or the keeper stops
+  std::stop_source build_stop_;  ///< of the current build: a newer request has come, or the keeper stops
   bool reload_in_hand_ = false;
-  bool superseded_ = false;     ///< what is in hand
+  bool superseded_ = false;     ///< the current build
   bool reload_failed_ = false;  ///< that is what state_.last_error is about
   Clock::time_point well_since_;
   State state_;

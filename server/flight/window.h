@@ -57,7 +57,7 @@ LonLat towards(const LonLat& from, const LonLat& to, double share);
 double distance_m(const LonLat& a, const LonLat& b);
 
 /// How fast radars move over the ground, from where they are told to be, measured over at least half a
-/// second. Radars of which nothing is heard for kStandsAfter stand still: the last pose may have been a jump,
+/// second. Radars without poses for kStandsAfter stand still: the last pose may have been a jump,
 /// or the last of a flight. For one thread.
 class Speedometer {
  public:

@@ -221,7 +221,7 @@ static void from_json(const ordered_json& json, TruthCheck& check) {
   check = {json.at("measure"), json.at("truth"), json.at("smallest_shown")};
 }
 
-/// Tells of each entry of frontier.json, in its order: where it is, and which member it has.
+/// Describes each entry of frontier.json, in its order: where it is, and which member it has.
 static void each_entry(auto& h, auto&& entry) {
   entry("/key", h.key);
   entry("/version", h.version);

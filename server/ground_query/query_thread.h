@@ -21,9 +21,9 @@ class QueryThread {
 
   /// From any thread. `work` must not throw.
   void enqueue(std::uint64_t client, Work work);
-  /// Stops what is in hand, drops what waits, and waits for the thread. Nothing is begun any more.
+  /// Stops the current query, drops what waits, and waits for the thread. Nothing is begun any more.
   void end();
-  /// A client has gone: what waits for it is dropped, what is in hand is stopped.
+  /// A client has gone: what waits for it is dropped, the current query is stopped.
   void forget(std::uint64_t client);
 
  private:
@@ -32,7 +32,7 @@ class QueryThread {
   std::mutex mutex_;  ///< guards all but the thread
   std::condition_variable_any changed_;
   std::map<std::uint64_t, std::deque<Work>> waiting_;  ///< by client; none is empty
-  std::uint64_t last_client_ = 0;                      ///< whose query is or was in hand
+  std::uint64_t last_client_ = 0;                      ///< of the current or last query
   bool busy_ = false;
   bool ended_ = false;
   std::stop_source in_hand_;

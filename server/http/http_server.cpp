@@ -261,7 +261,7 @@ void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) 
   socket.read_some(asio::buffer(unwanted), ignored);
 }
 
-// GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
+// GCC 12 bug: it always evaluates a co_await on the right of && or ||. Never use one there.
 asio::awaitable<void> HttpServer::State::serve(ConnectionPtr connection) {
   Connection& c = *connection;
   // Also when memory runs out half way.

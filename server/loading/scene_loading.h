@@ -76,7 +76,7 @@ std::shared_ptr<const World> load_world_with_report(const SceneConfig& config);
 
 /// When the scene has an [accuracy]: chooses each radar's pixels and, where it is "auto", the cell size, such
 /// that median error and gaps, measured on a few wedges of the user's own view against the truth of the
-/// finest sensible grid, stay within what is asked. `say` hears what was chosen and its measured error.
+/// finest sensible grid, stay within what is asked. `say` gets what was chosen and its measured error.
 /// Without an [accuracy] it does nothing. Throws InputError, with the best that was reached, when nothing is
 /// good enough.
 void meet_accuracy(SceneConfig& config, const Say& say, const Progress& progress);
@@ -88,7 +88,7 @@ struct PixelLimits {
 };
 
 /// For frustum.quality = "oblique": gives the radar about the fewest pixel columns and rows that leave no
-/// more than kMostUnsampled of its lit bins without a sample, as counted in frames of the scene. `say` hears
+/// more than kMostUnsampled of its lit bins without a sample, as counted in frames of the scene. `say` gets
 /// what was found. Does nothing for other radars. Throws InputError, with the best that there is, where no
 /// pixels do.
 void find_pixels(const std::shared_ptr<const Scene>& scene, RadarConfig& radar, const PixelLimits& limits,

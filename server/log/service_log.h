@@ -13,7 +13,7 @@
 
 namespace obliq {
 
-/// Lines that peers cause (see LogFields) are written up to so many a second and level; the others are
+/// Lines that peers cause (see LogFields) are written up to a limit per second and level; the others are
 /// counted and the count is written.
 constexpr int kPeerLinesPerSecond = 20;
 
@@ -25,7 +25,7 @@ constexpr std::size_t kLongestMessageBytes = 4096;
 /// level.
 void open_log(const LogConfig& config);
 
-/// Hears the level of every line, also of those left out: "debug", "info", "warning" or "error". From the
+/// Receives the level of every line, also of those left out: "debug", "info", "warning" or "error". From the
 /// thread that logs; must not log. Empty: none.
 void on_log_line(std::function<void(const std::string& level)> call);
 

@@ -114,7 +114,7 @@ struct Service::State {
         const LogFields of_master{{"client", master.address}};
         serve_master(master.socket.get(), stop.get(), times, image);
         shutdown(master.socket.get(),
-                 SHUT_RDWR);  // it hears of its end now; the socket is closed with the thread
+                 SHUT_RDWR);  // it learns of its end now; the socket is closed with the thread
         spdlog::info("modbus: the master at {} disconnected", master.address);
         master.done = true;
       });

@@ -71,7 +71,7 @@ class Exercise {
   /// What joins is saved, loaded, reset and stopped with the rest, in this order.
   void join(std::unique_ptr<ExercisePart> part) { parts_.push_back(std::move(part)); }
 
-  /// With the targets: for those alone who may be told where they are.
+  /// With the targets: only for clients that may know where they are.
   void write(wire::ExerciseState& state) const;
   /// Without them.
   wire::ExerciseState for_all() const;

@@ -43,7 +43,7 @@ class ExerciseLog {
   ~ExerciseLog();
 
   using Listener = std::function<void(const wire::ExerciseEvent&)>;
-  /// Hears of each event, numbered and dated, when it is noted.
+  /// Called with each event, numbered and dated, when it is noted.
   void on_event(Listener listener) { listener_ = std::move(listener); }
 
   /// Gives it its number, and where it has none its time.

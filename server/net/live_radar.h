@@ -48,7 +48,7 @@ struct LiveRadar {
   bool pose_has_sim_time = false;
   std::int64_t pose_received_ns = 0;
   Platform* platform = nullptr;  ///< that it rides on; null: none
-  bool has_heading = false;  ///< whoever flies it says where the nose points; else the bearing is the heading
+  bool has_heading = false;      ///< poses say where the nose points; else the bearing is the heading
   Claims claims;
   std::vector<Watcher> watchers;
   double rate_hz = 0;                                 ///< the fastest watcher's
@@ -68,7 +68,7 @@ struct LiveRadar {
   bool frozen = false;       ///< the render thread keeps the view that it has
   double rate_limit_hz = 0;  ///< 0: none
 
-  /// Nobody says where the nose points, until somebody does; a platform always does.
+  /// Forgets the heading that poses gave; a platform always has one.
   void forget_heading() { has_heading = platform != nullptr; }
   std::size_t number() const { return stream_id - 1; }  ///< of the render thread
   LiveView view() const { return {settings.current(), pose, pose_received_ns, poses, false, initial.mount}; }

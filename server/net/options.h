@@ -30,7 +30,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::string scene_name;
 
   std::shared_ptr<Security> security;                ///< null: no TLS, no tokens, every client is admin
-  TruthRole truth_role = ServerConfig{}.truth_role;  ///< of those who may have targets' places
+  TruthRole truth_role = ServerConfig{}.truth_role;  ///< needed for the places of targets
 
   std::uint32_t max_hello_bytes = wire::kMaxHelloBytes;  ///< of any message before Hello is answered
   std::uint32_t max_descriptor_bytes = wire::kMaxDescriptorBytes;  ///< of a request's protobuf part
@@ -61,7 +61,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::function<KeeperState()> keeper_state;
   /// Told of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
   std::function<void(const std::string&, const RenderedFrame&)> on_frame;
-  std::function<void(const RenderedOnce&)> on_once_frame;  ///< the same of RenderOnce frames
+  std::function<void(const RenderedRequest&)> on_request_frame;  ///< the same of RenderOnce frames
 };
 
 /// Who may have the places of targets.
@@ -79,7 +79,7 @@ struct RadarStatistics {
   int live_frames = 0;            ///< being rendered, or waiting in whole or in part for a client
   std::size_t live_bytes = 0;     ///< of their blocks
   std::size_t spare_bytes = 0;    ///< of blocks that were sent, kept for the next
-  std::uint64_t frames_shed = 0;  ///< whole ones, never begun, for want of time
+  std::uint64_t frames_shed = 0;  ///< whole ones, never begun, for lack of time
 };
 
 struct RoomStatistics {

@@ -69,12 +69,12 @@ class Peer {
   Role role = Role::viewer;
   std::optional<TokenDigest> credential;  ///< its token, where tokens are configured
   Outbox outbox;
-  bool follows_events = false;  ///< hears of each event of the exercise
+  bool follows_events = false;  ///< gets each event of the exercise
   int subscriptions = 0;
-  std::vector<OnceRequestPtr> renders;  ///< not finished
-  int queries = 0;                      ///< of the ground, not answered
-  AppraisalPtr appraisal;               ///< that is under way
-  std::deque<KeptRequest> in_turn;      ///< the request that it is for, and those that come after it
+  std::vector<FrameRequestPtr> renders;  ///< not finished
+  int queries = 0;                       ///< of the ground, not answered
+  AppraisalPtr appraisal;                ///< that is under way
+  std::deque<KeptRequest> in_turn;       ///< the request that it is for, and those that come after it
 
   // For the log:
   const std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();

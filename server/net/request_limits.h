@@ -12,7 +12,7 @@
 
 namespace obliq::net {
 
-/// Memory while a frame is rendered and sent: the wedges in hand, one a thread, with the bins and pixels that
+/// Memory while a frame is rendered and sent: the current wedges, one a thread, with the bins and pixels that
 /// are theirs, the plan of a beam and what it adds up (server/radar/wedge_memory.h), and the encoded planes
 /// that wait to be sent. Of a RenderOnce frame those are at most twice slice_bytes, of a live radar's at most
 /// queue_frames + 1 whole frames. Scene and terrain are not in it: they are resident already.

@@ -145,7 +145,7 @@ void Room::forget(Peer& peer) {
   radars_.forget(peer);
   targets_.forget(peer);
   watchers_changed(false);
-  for (const OnceRequestPtr& request : peer.renders) request->stop.request_stop();
+  for (const FrameRequestPtr& request : peer.renders) request->stop.request_stop();
   peer.renders.clear();
   if (peer.appraisal) peer.appraisal->stop.request_stop();
   peer.appraisal = nullptr;
@@ -255,13 +255,14 @@ void Room::taken(Peer& peer, const Block& block) {
 }
 
 void Room::finish_render(Peer& peer, std::uint32_t stream_id) {
-  std::erase_if(peer.renders, [&](const OnceRequestPtr& request) { return request->stream_id == stream_id; });
+  std::erase_if(peer.renders,
+                [&](const FrameRequestPtr& request) { return request->stream_id == stream_id; });
 }
 
 FrameCost Room::cost_queued() const {
   FrameCost sum;
   for (const auto& peer : peers_) {
-    for (const OnceRequestPtr& request : peer->renders) {
+    for (const FrameRequestPtr& request : peer->renders) {
       sum.pixels += request->cost.pixels;
       sum.bins += request->cost.bins;
       sum.bytes += request->cost.bytes;
@@ -282,7 +283,7 @@ std::optional<FieldError> Room::rate_limit_fault(double rate_hz) const {
                     "0 (none) to " + std::to_string(options_.max_rate_hz)};
 }
 
-void Room::render_once(Peer& peer, const OnceRequestPtr& request) {
+void Room::render_once(Peer& peer, const FrameRequestPtr& request) {
   request->client_id = peer.id;
   request->stream_id = ++last_stream_id_;
   peer.renders.push_back(request);
@@ -351,7 +352,7 @@ void Room::on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView
   post_([this, radar, view, errors] { radars_.note_fault(radar, *view, errors); });
 }
 
-void Room::on_once_block(const OnceRequestPtr& request, const BlockPtr& block) {
+void Room::on_request_block(const FrameRequestPtr& request, const BlockPtr& block) {
   post_([this, request, block] {
     Peer* peer = peer_of(request->client_id);
     if (peer == nullptr) return;
@@ -360,13 +361,13 @@ void Room::on_once_block(const OnceRequestPtr& request, const BlockPtr& block) {
   });
 }
 
-void Room::on_once_rendered(const RenderedOnce& frame) {
+void Room::on_request_rendered(const RenderedRequest& frame) {
   post_([this, frame] {
-    if (options_.on_once_frame) options_.on_once_frame(frame);
+    if (options_.on_request_frame) options_.on_request_frame(frame);
   });
 }
 
-void Room::on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) {
+void Room::on_request_fault(const FrameRequestPtr& request, const std::vector<FieldError>& errors) {
   post_([this, request, errors] {
     Peer* peer = peer_of(request->client_id);
     if (peer == nullptr) return;

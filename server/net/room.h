@@ -88,7 +88,7 @@ class Room : private RenderEvents {
   /// that wait. However fast news comes, one a message written is queued.
   void tell_news(Peer& peer);
   /// Queues a checked request; gives it its client and its stream.
-  void render_once(Peer& peer, const OnceRequestPtr& request);
+  void render_once(Peer& peer, const FrameRequestPtr& request);
   /// Asks the render thread. When it has answered, the peer's kept requests are handled from the first on.
   void appraise(Peer& peer, const AppraisalPtr& appraisal);
   /// Has a checked question answered, on another thread.
@@ -122,9 +122,9 @@ class Room : private RenderEvents {
   void on_live_rendered(std::size_t radar, const RenderedFrame& frame) override;
   void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                      const std::vector<FieldError>& errors) override;
-  void on_once_block(const OnceRequestPtr& request, const BlockPtr& block) override;
-  void on_once_rendered(const RenderedOnce& frame) override;
-  void on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) override;
+  void on_request_block(const FrameRequestPtr& request, const BlockPtr& block) override;
+  void on_request_rendered(const RenderedRequest& frame) override;
+  void on_request_fault(const FrameRequestPtr& request, const std::vector<FieldError>& errors) override;
   void on_appraised(const AppraisalPtr& appraisal, const std::vector<FieldError>& faults) override;
   void on_finished() override;
 

@@ -60,7 +60,7 @@ struct Request {
   wire::Bytes payload;
 };
 
-// GCC 12 evaluates a co_await on the right of && or || whatever the left says: none stands there below.
+// GCC 12 bug: it always evaluates a co_await on the right of && or ||. Never use one there.
 class Session final : public Peer, public std::enable_shared_from_this<Session> {
  public:
   Session(asio::io_context& io, std::unique_ptr<Transport> transport, std::uint64_t session_id,
@@ -112,7 +112,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     send(MessageType::error, make_error(0, number, text));
     if (phase_ == Phase::closed) return;
     phase_ = Phase::ending;
-    // The last words wait no longer than this for a peer that does not read.
+    // Closes after stop_grace_s even if the peer has not read the final Error.
     arm(read_deadline_, room_->options().stop_grace_s, [](Session& self) { self.close(); });
   }
 

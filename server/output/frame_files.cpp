@@ -76,10 +76,10 @@ std::optional<DbRange> add_maps(NewFiles& files, const wire::FrameDescriptor& de
   if (bins.n_azimuth != placed.settings().azimuth_bins() || bins.n_range != placed.settings().range_bins())
     throw InputError("frame descriptor: found other numbers of bins than the frame has; allowed: its own");
   files.add("ground_map.tif", [&](const auto& path) {
-    GroundMapWish wish;
-    wish.least_pixel_m = placed.range_spacing_m();
-    wish.ground = options.ground;
-    const GroundMap map = map_to_ground(MapProjection(placed), bins.n_azimuth, bins.n_range, wish);
+    GroundMapRequest request;
+    request.least_pixel_m = placed.range_spacing_m();
+    request.ground = options.ground;
+    const GroundMap map = map_to_ground(MapProjection(placed), bins.n_azimuth, bins.n_range, request);
     const std::string how =
         options.ground ? "slant ranges placed by the heights of the ground"
                        : fmt::format("slant ranges placed as if all ground lay {:.0f} m above the datum",

@@ -160,10 +160,10 @@ constexpr double kDb_of_log = 10 / std::numbers::ln10;
 }  // namespace
 
 GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_range,
-                        const GroundMapWish& wish) {
-  Bounds bounds = sector_bounds(projection, wish.up_rad);
-  const Turn turn(wish.up_rad);
-  if (wish.with_antenna) {
+                        const GroundMapRequest& request) {
+  Bounds bounds = sector_bounds(projection, request.up_rad);
+  const Turn turn(request.up_rad);
+  if (request.with_antenna) {
     Bounds larger = bounds;
     larger.add({0, 0}, turn);
     if (larger.area() <= kMostGrowth * bounds.area()) bounds = larger;
@@ -174,11 +174,11 @@ GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_ra
         "allowed: one of which a map can be drawn");
 
   GroundMap map;
-  map.up_rad = wish.up_rad;
-  map.pixel_m = std::max(wish.least_pixel_m, bounds.extent() / wish.side);
+  map.up_rad = request.up_rad;
+  map.pixel_m = std::max(request.least_pixel_m, bounds.extent() / request.side);
   const auto pixels = [&](double length_m) {
     // A hair less, so that a length of a whole number of pixels is no pixel longer.
-    return std::clamp(static_cast<int>(std::ceil(length_m / map.pixel_m - 1e-6)), 1, wish.side);
+    return std::clamp(static_cast<int>(std::ceil(length_m / map.pixel_m - 1e-6)), 1, request.side);
   };
   map.width = pixels(bounds.right - bounds.left);
   map.height = pixels(bounds.top - bounds.bottom);
@@ -204,7 +204,7 @@ GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_ra
     for (int column0 = 0; column0 < map.width; column0 += kLattice) {
       const auto i = static_cast<std::size_t>(column0 / kLattice);
       glm::dvec3 up{0, 1, 0};
-      if (wish.ground) {
+      if (request.ground) {
         constexpr double kRise_m = 1000;
         up = (projection.offset(place_of(column0, row0), kRise_m) - above[i]) / kRise_m;
       }
@@ -217,7 +217,7 @@ GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_ra
         std::uint32_t* out = &map.bin[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width)];
         for (int column = column0; column < std::min(map.width, column0 + kLattice); ++column) {
           glm::dvec3 p = left + step * static_cast<double>(column - column0);
-          if (wish.ground && !put_on_ground(*wish.ground, projection.antenna_m(), up, p)) {
+          if (request.ground && !put_on_ground(*request.ground, projection.antenna_m(), up, p)) {
             out[column] = finder.find(p) == GroundMap::kOutside ? GroundMap::kOutside : GroundMap::kNoGround;
           } else {
             out[column] = finder.find(p);

@@ -33,7 +33,7 @@ struct GroundMap {
   bool is_bin(std::size_t pixel) const { return bin[pixel] < kNoGround; }
 };
 
-struct GroundMapWish {
+struct GroundMapRequest {
   double up_rad = 0;          ///< true bearing that points up
   int side = 2048;            ///< pixels of the longer side, at most
   double least_pixel_m = 0;   ///< no finer than this
@@ -42,7 +42,7 @@ struct GroundMapWish {
 };
 
 GroundMap map_to_ground(const MapProjection& projection, int n_azimuth, int n_range,
-                        const GroundMapWish& wish);
+                        const GroundMapRequest& request);
 
 /// How bright each bin is. Planes that the frame does not have may be empty.
 struct BinLevels {

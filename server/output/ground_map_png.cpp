@@ -154,11 +154,11 @@ std::optional<DbRange> write_ground_map_png(const std::filesystem::path& path, c
                                             const wire::FrameSummary& summary, const BinBlock& bins,
                                             const PictureOptions& options) {
   const MapProjection projection(d);
-  GroundMapWish wish;
-  wish.up_rad = options.up == MapUp::north ? 0 : d.pose().bearing_deg() * kDegree_rad;
-  wish.side = options.side;
-  wish.with_antenna = true;
-  const GroundMap map = map_to_ground(projection, bins.n_azimuth, bins.n_range, wish);
+  GroundMapRequest request;
+  request.up_rad = options.up == MapUp::north ? 0 : d.pose().bearing_deg() * kDegree_rad;
+  request.side = options.side;
+  request.with_antenna = true;
+  const GroundMap map = map_to_ground(projection, bins.n_azimuth, bins.n_range, request);
   const BinLevels levels = bin_levels(d, bins);
   const std::vector<float> shown = shown_levels(d, levels, bins.n_range);
   const std::optional<DbRange> range = options.db_range ? options.db_range : range_of(map, shown);
@@ -175,7 +175,7 @@ std::optional<DbRange> write_ground_map_png(const std::filesystem::path& path, c
                                 .has_echoes = range.has_value(),
                                 .quantity = quantity_text(levels, is_compensated(d, levels)),
                                 .dark = dark_text(bins),
-                                .up_rad = wish.up_rad,
+                                .up_rad = request.up_rad,
                                 .pixel_m = map.pixel_m},
                                width - kMargin);
   const int top = kMargin / 2;

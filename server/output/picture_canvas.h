@@ -35,7 +35,7 @@ class PictureCanvas {
 
   cairo_t* cairo() { return context_; }
   void ink(const Colour& colour, double alpha = 1);
-  /// Strokes the path in hand: a line of `width` over a broader dark one.
+  /// Strokes the current path: a line of `width` over a broader dark one.
   void stroke(const Colour& colour, double width, double alpha = 1);
   void fill_box(double x, double y, double width, double height);
 

@@ -8,7 +8,7 @@
 namespace obliq {
 namespace {
 
-/// In wider bins a plane says too little about the ground that a building beside it stands on.
+/// In wider bins one plane does not represent the ground beneath the buildings.
 constexpr double kWidest_deg = 0.5;
 
 int parts_of(int whole, int parts) { return (whole + parts - 1) / parts; }

@@ -34,7 +34,7 @@ struct RenderOptions {
   std::function<void(Wedge&&)> on_wedge;       ///< called as wedges finish, from any thread, one at a time
   std::function<void(PulseTrain&&)> on_train;  ///< of a frame that was recorded, called between wedges
   std::stop_token stop;                        ///< no further wedge is begun after a stop request
-  bool iq = true;                   ///< false: nobody wants I&Q; the sweep leaves it 0, which is quicker
+  bool iq = true;                              ///< false: I&Q is not computed (faster)
   bool states = true;               ///< false: bins without samples all say not_sampled, which is quicker
   bool labels = false;              ///< whether they are wanted
   bool target_ids = false;          ///< whether BinBlock::target is wanted

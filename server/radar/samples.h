@@ -27,7 +27,7 @@ struct Sample {
   float raster_gamma = 1;  ///< World::raster_gamma of the ground
 };
 
-/// Samples as arrays: nothing here or after it knows of pixels. Plain arrays, because the kernels (simd/)
+/// Samples as arrays, whatever they were made from. Plain arrays, because the kernels (simd/)
 /// share this header and no inline function that they call may be compiled twice.
 struct SampleBatch {
   int n = 0;
@@ -61,8 +61,8 @@ struct SampleBatch {
   }
 };
 
-/// Finds the visible surface of one wedge, batch by batch, in a fixed order. What comes after knows nothing
-/// of rays, pixels or profiles.
+/// Finds the visible surface of one wedge, batch by batch, in a fixed order. Later stages see no
+/// rays, pixels or profiles.
 class SampleSource {
  public:
   virtual ~SampleSource() = default;

@@ -71,7 +71,7 @@ std::shared_ptr<const AntennaGain> antenna_gain(const RadarSettings& settings, c
       view.lean_x += up.x / view.rise;
       view.lean_z += up.z / view.rise;
     }
-    // What stands higher or lower than all surface needs no place in the table.
+    // The table covers only elevations at which surface exists.
     const double lean = std::hypot(view.lean_x, view.lean_z) + 1e-3;
     const double nearest_m = std::max(settings.r_min_m, 1.0);
     if (extent.any) {

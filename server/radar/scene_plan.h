@@ -53,8 +53,8 @@ class SeenBuildings {
     // Written once, so that threads do not fight over the cache line.
     if (!has(building)) flags_[building].store(1, std::memory_order_relaxed);
   }
-  /// That its line of memory is at hand when it is marked. Inlined: a compiler leaves out calls of what only
-  /// asks.
+  /// So that its line of memory is cached when it is marked. Inlined: a compiler leaves out calls of what
+  /// only asks.
   [[gnu::always_inline]] void ask_for(std::uint32_t building) const { __builtin_prefetch(&flags_[building]); }
   void mark(const std::vector<std::uint32_t>& buildings) {
     for (const std::uint32_t b : buildings) mark(b);

@@ -25,7 +25,7 @@ struct FrameTables {
   explicit FrameTables(const ScenePlan& plan);
 };
 
-/// What a thread has in hand: a wedge and its buffers, reused from wedge to wedge.
+/// The work of a thread: a wedge and its buffers, reused from wedge to wedge.
 struct WedgeWork {
   const ScenePlan& plan;
   const int narrow_bins;  ///< FramePlan's

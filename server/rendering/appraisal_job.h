@@ -16,9 +16,9 @@ class AppraisalJob : public Job {
 
   /// From any thread.
   void enqueue(AppraisalPtr appraisal);
-  /// From any thread: nothing is said any more of what waits and of what is in hand.
+  /// From any thread: appraisals that wait or run are no longer reported.
   void stop();
-  /// Ends what is in hand.
+  /// Ends the current appraisal.
   void give_up() { work_ = nullptr; }
 
   Time date(Time now) override;
@@ -28,10 +28,10 @@ class AppraisalJob : public Job {
   bool begin();
 
   const RenderContext& context_;
-  std::mutex mutex_;  ///< guards the queue, and that another appraisal is taken in hand
+  std::mutex mutex_;  ///< guards the queue, and the start of another appraisal
   std::deque<AppraisalPtr> queue_;
 
-  // In hand:
+  // Current:
   AppraisalPtr appraisal_;
   std::vector<FieldError> faults_;
   std::unique_ptr<ParkedWork> work_;  ///< null: none has begun

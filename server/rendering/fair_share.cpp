@@ -7,11 +7,11 @@
 namespace obliq::net {
 namespace {
 
-/// While no cost is known, a new party gets this long to show that it is quick. Slower ones are then served
+/// While no cost is known, a new flow gets this long to show that it is quick. Slower ones are then served
 /// one after the other, as if all cost the same.
 constexpr double kTrial_s = 0.05;
 constexpr double kUnknown_s = 1;
-/// The cost of one party's pieces varies by this factor on a shared machine: none should be interrupted just
+/// The cost of one flow's pieces varies by this factor on a shared machine: none should be interrupted just
 /// before its end.
 constexpr double kMargin = 1.5;
 constexpr double kLeast_s = 1e-3;
@@ -19,68 +19,68 @@ constexpr double kLeast_s = 1e-3;
 }  // namespace
 
 std::size_t FairShare::add() {
-  parties_.emplace_back();
-  return parties_.size() - 1;
+  flows_.emplace_back();
+  return flows_.size() - 1;
 }
 
-double FairShare::begin_of(const Party& party) const {
-  return party.wanting ? party.begin_s : std::max(now_s_, party.begin_s);
+double FairShare::begin_of(const Flow& flow) const {
+  return flow.wanting ? flow.begin_s : std::max(now_s_, flow.begin_s);
 }
 
-double FairShare::expected_s(const Party& party) const {
-  std::optional<double> like_s = party.last_s;
+double FairShare::expected_s(const Flow& flow) const {
+  std::optional<double> like_s = flow.last_s;
   if (!like_s)
-    for (const Party& other : parties_)
+    for (const Flow& other : flows_)
       if (other.last_s) like_s = std::min(like_s.value_or(kUnknown_s), *other.last_s);
-  if (!like_s && party.spent_s < kTrial_s) return kTrial_s;
+  if (!like_s && flow.spent_s < kTrial_s) return kTrial_s;
   double expected_s = std::max(kLeast_s, kMargin * like_s.value_or(kUnknown_s));
-  while (expected_s < party.spent_s) expected_s *= 2;
+  while (expected_s < flow.spent_s) expected_s *= 2;
   return expected_s;
 }
 
 void FairShare::set_wanting(std::size_t number, bool wanting) {
-  Party& party = parties_[number];
-  if (party.wanting == wanting) return;
+  Flow& flow = flows_[number];
+  if (flow.wanting == wanting) return;
   if (wanting) {
-    party.begin_s = begin_of(party);
+    flow.begin_s = begin_of(flow);
   } else {
-    party.begin_s += party.spent_s;
-    party.spent_s = 0;
+    flow.begin_s += flow.spent_s;
+    flow.spent_s = 0;
   }
-  party.wanting = wanting;
+  flow.wanting = wanting;
 }
 
-void FairShare::charge(std::size_t party, double seconds) {
-  parties_[party].spent_s += seconds;
-  // The wanting party that has had least.
+void FairShare::charge(std::size_t flow, double seconds) {
+  flows_[flow].spent_s += seconds;
+  // The wanting flow that has had least.
   double least_s = std::numeric_limits<double>::infinity();
-  for (const Party& p : parties_)
+  for (const Flow& p : flows_)
     if (p.wanting) least_s = std::min(least_s, p.begin_s + p.spent_s);
   if (std::isfinite(least_s)) now_s_ = std::max(now_s_, least_s);
 }
 
 void FairShare::done(std::size_t number) {
-  Party& party = parties_[number];
-  party.last_s = party.spent_s;
-  party.begin_s += party.spent_s;
-  party.spent_s = 0;
+  Flow& flow = flows_[number];
+  flow.last_s = flow.spent_s;
+  flow.begin_s += flow.spent_s;
+  flow.spent_s = 0;
 }
 
 double FairShare::end_s(std::size_t number) const {
-  const Party& party = parties_[number];
-  return begin_of(party) + expected_s(party);
+  const Flow& flow = flows_[number];
+  return begin_of(flow) + expected_s(flow);
 }
 
 std::optional<std::size_t> FairShare::first() const {
   std::optional<std::size_t> first;
-  for (std::size_t k = 0; k < parties_.size(); ++k)
-    if (parties_[k].wanting && (!first || end_s(k) < end_s(*first))) first = k;
+  for (std::size_t k = 0; k < flows_.size(); ++k)
+    if (flows_[k].wanting && (!first || end_s(k) < end_s(*first))) first = k;
   return first;
 }
 
 double FairShare::lead_s(std::size_t number, std::size_t other) const {
   if (end_s(other) < end_s(number)) return 0;
-  return expected_s(parties_[number]) - parties_[number].spent_s;
+  return expected_s(flows_[number]) - flows_[number].spent_s;
 }
 
 FrameDates::Taken FrameDates::take(Time now, Duration period, bool keep_all) {

@@ -8,56 +8,56 @@
 
 namespace obliq::net {
 
-/// Shares rendering time among parties: the live radars, and all RenderOnce requests as one.
+/// Shares rendering time among flows: the live radars, and all RenderOnce requests as one.
 ///
-/// The share is of time, not of frames: while n parties have something to render, each gets at least one n-th
-/// of the time, and what a party does not need goes to the others. So a radar whose frames take twenty times
+/// The share is of time, not of frames: while n flows have something to render, each gets at least one n-th
+/// of the time, and what a flow does not need goes to the others. So a radar whose frames take twenty times
 /// as long has fewer of them, and takes nothing from radars that stay within their shares. (Turns frame by
 /// frame would give it twenty times their time; frames in proportion to rates would reward high rates.)
 ///
 /// Weighted fair queueing with equal weights (Demers, Keshav, Shenker 1989): each piece of work, a frame or a
-/// slice of one, is given the virtual time at which it would end if all parties rendered at once, each with
-/// its share, and the earliest end goes first. Departures: virtual time is that of the party that has had
+/// slice of one, is given the virtual time at which it would end if all flows rendered at once, each with
+/// its share, and the earliest end goes first. Departures: virtual time is that of the flow that has had
 /// least, as in start-time fair queueing (Goyal, Vin, Cheng 1996), so that it does not depend on how many
-/// parties want something at a moment; the cost of a piece is not known beforehand, so it is estimated as 1.5
-/// times the party's last one (a new party's: the cheapest of the others'), doubled whenever it turns out to
-/// be more, and settled afterwards; and a piece may be interrupted by one with an earlier end. Parties of
+/// flows want something at a moment; the cost of a piece is not known beforehand, so it is estimated as 1.5
+/// times the flow's last one (a new flow's: the cheapest of the others'), doubled whenever it turns out to
+/// be more, and settled afterwards; and a piece may be interrupted by one with an earlier end. Flows of
 /// equal cost are therefore served one whole frame after the other, and only a long frame gives way to short
 /// ones.
 class FairShare {
  public:
-  /// Parties are numbered in the order they are added.
+  /// Flows are numbered in the order they are added.
   std::size_t add();
 
-  /// Whether it has something to render now. A party that had not has no claim on the time it did not use.
-  void set_wanting(std::size_t party, bool wanting);
+  /// Whether it has something to render now. A flow that had not has no claim on the time it did not use.
+  void set_wanting(std::size_t flow, bool wanting);
 
-  /// Time has been spent on the piece that a party has in hand.
-  void charge(std::size_t party, double seconds);
+  /// Time has been spent on a flow's current piece.
+  void charge(std::size_t flow, double seconds);
   /// That piece is done.
-  void done(std::size_t party);
+  void done(std::size_t flow);
 
-  /// Virtual end of the piece that the party has in hand, or of its next one if that began now. In seconds of
+  /// Virtual end of the flow's current piece, or of its next one if that began now. In seconds of
   /// rendering.
-  double end_s(std::size_t party) const;
-  /// The wanting party with the earliest end; of equal ones the lowest number.
+  double end_s(std::size_t flow) const;
+  /// The wanting flow with the earliest end; of equal ones the lowest number.
   std::optional<std::size_t> first() const;
-  /// How long a party may go on while the other one waits, in seconds of rendering; 0: the other goes first.
-  double lead_s(std::size_t party, std::size_t other) const;
+  /// How long a flow may go on while the other one waits, in seconds of rendering; 0: the other goes first.
+  double lead_s(std::size_t flow, std::size_t other) const;
 
  private:
-  struct Party {
+  struct Flow {
     bool wanting = false;
-    double begin_s = 0;            ///< virtual, of the piece in hand; as much as was paid for when none is
-    double spent_s = 0;            ///< on the piece in hand
+    double begin_s = 0;            ///< virtual, of the current piece; as much as was paid for when none is
+    double spent_s = 0;            ///< on the current piece
     std::optional<double> last_s;  ///< what the last piece took
   };
-  double begin_of(const Party& party) const;
-  /// What the party's piece in hand, or its next one, is taken to cost in all.
-  double expected_s(const Party& party) const;
+  double begin_of(const Flow& flow) const;
+  /// Estimated cost of the flow's current piece, or of its next one.
+  double expected_s(const Flow& flow) const;
 
-  std::vector<Party> parties_;
-  double now_s_ = 0;  ///< virtual: where a party begins that has rested
+  std::vector<Flow> flows_;
+  double now_s_ = 0;  ///< virtual: where a flow begins that has rested
 };
 
 /// When a radar's frames are due: every period, at dates that stay where they are however late a frame is.

@@ -59,7 +59,7 @@ class PlannedFrame {
   // Of a frame that was recorded, by this server's clock from now on:
   /// The pass that it is; null: all of the sector at once.
   virtual const wire::ScanPass* scan() const { return nullptr; }
-  /// What the wedge in hand says of itself, asked while on_wedge is called; null: what the frame says.
+  /// Facts of the current wedge, asked while on_wedge is called; null: what the frame says.
   virtual const wire::WedgeBlock* dwell() const { return nullptr; }
   /// Azimuth bins that its antenna missed.
   virtual std::vector<AzimuthRange> missed() const { return {}; }
@@ -92,7 +92,7 @@ class FrameRenderer {
   virtual std::string scene_hash() const { return {}; }
   /// Changes with the scene: a frame that failed before may be possible now.
   virtual std::uint64_t generation() const { return 0; }
-  /// Neither a frame nor errors: nothing new yet; the call has waited a while.
+  /// Both empty: not ready; the call blocked for a moment.
   virtual Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const = 0;
   /// Another pose of the same pass: in the scene that `frame` was planned in.
   virtual Plan plan_again(const PlannedFrame&, const SettingsPtr& settings, const PoseSettings& pose) const {
@@ -101,8 +101,8 @@ class FrameRenderer {
 
   /// Of a renderer that only replays: why no client may change anything or have a frame rendered. Else empty.
   virtual std::string fixed() const { return {}; }
-  /// Of such a one: its frames are the passes of a scanning antenna, which all watchers get, whatever their
-  /// rate.
+  /// For a replay: frames are recorded passes of a scanning antenna; all watchers receive all of them,
+  /// at any rate.
   virtual bool has_passes() const { return false; }
   /// The same renderer's controls; null: it replays nothing.
   virtual ReplayControl* replay() const { return nullptr; }

@@ -80,7 +80,7 @@ struct RenderContext {
   // Of this round:
   bool finishing = false;  ///< no frame is begun any more
   bool scanning = false;   ///< some antenna scans: slices of other work are short
-  // Of the turn in hand:
+  // Of the current turn:
   Job::Time turn_began{};
   Job::Time turn_ends = Job::Time::max();
   std::uint64_t changes_seen = 0;
@@ -99,7 +99,7 @@ struct RenderContext {
 /// Of the server's monotonic clock.
 std::int64_t in_nanoseconds(Job::Time time);
 
-/// Says that a frame could not be rendered for want of memory, or of another of the machine's means.
+/// Says that a frame could not be rendered for lack of memory, or of another resource of the machine.
 std::vector<FieldError> memory_failure(const std::exception& failure);
 
 }  // namespace obliq::net

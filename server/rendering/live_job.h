@@ -30,7 +30,7 @@ class LiveJob : public Job {
   LiveStream& stream_;
   std::int64_t shown_pose_ns_ = 0;  ///< arrival of the newest pose that a frame has shown
 
-  // Of the frame in hand:
+  // Of the current frame:
   LiveStream::Start start_;
   Time begun_;
   std::uint64_t generation_ = 0;  ///< of the renderer when it was planned

@@ -30,14 +30,14 @@ class LiveStream {
 
   // From any thread:
   void set_view(LiveView view);
-  /// None: no client watches; a frame in hand is given up.
+  /// None: no client watches; the current frame is given up.
   void set_demand(std::vector<Demand> demands);
   /// On: time stands still. What has begun goes on to its end, a pass to the end of its dwell; then each
   /// client gets one frame of the view that is set next, and nothing else begins. Of a radar that scans, the
   /// clients that watch keep what they have, and those that come get such a frame. Off: a pass goes on where
   /// it was.
   void hold(bool on);
-  /// The frame in hand is given up, and no further one begins.
+  /// Gives up the current frame and begins no other.
   void stop();
   /// What its frames take up at present.
   struct Load {
@@ -45,7 +45,7 @@ class LiveStream {
     std::size_t live_bytes = 0;
     std::size_t spare_bytes = 0;       ///< of blocks that were sent, kept for the next
     std::uint64_t frames_skipped = 0;  ///< because of the limit of live frames
-    std::uint64_t frames_shed = 0;     ///< for want of time
+    std::uint64_t frames_shed = 0;     ///< for lack of time
   };
   Load load() const;
   /// on_freed is not called any more once this returns.
@@ -91,7 +91,7 @@ class LiveStream {
   Time::duration take_pause();
 
   std::uint64_t next_frame_id() { return ++last_frame_; }
-  /// Periods or passes that went by without a frame; the next FrameBegin tells of them.
+  /// Periods or passes that went by without a frame; the next FrameBegin reports them.
   void skip(std::uint64_t frames);
   /// Remembers what could not be rendered, and with which generation of the renderer; null: nothing.
   void set_faulty(std::shared_ptr<const LiveView> view, std::uint64_t generation);
@@ -120,7 +120,7 @@ class LiveStream {
   double rate_hz_ = 0;  ///< the greatest; 0: no client watches
   FrameDates dates_;
   Time held_up_since_ = Time::max();  ///< of a frame due; max: it is not
-  std::stop_source stop_;             ///< of the frame in hand
+  std::stop_source stop_;             ///< of the current frame
   bool stopped_ = false;
   std::optional<Time> held_since_;  ///< empty: it is not held
   Time::duration pause_{};
@@ -144,9 +144,9 @@ struct BegunFrame {
   RenderOptions render_options(const std::stop_token& stop, const LiveView& view) const;
   /// The world has moved on.
   void take_targets() { targets = stream.context_.targets.get(); }
-  /// A train along these azimuths, to those who asked. False when stopped.
+  /// A train along these azimuths, to clients that asked. False when stopped.
   bool send_train(const TrainLook& look, const RenderOptions& options);
-  /// Where they are, to those who asked: of what has just been rendered with these options.
+  /// Where targets are, to clients that asked: of what has just been rendered with these options.
   void send_truth(const AzimuthRange& azimuths, const RenderOptions& options);
   /// FrameBegin, with the pose of `view`.
   void send_begin(const LiveView& view);

@@ -1,5 +1,5 @@
 #pragma once
-// What the render thread is asked to render once, and what it tells of its work.
+// What the render thread is asked to render once, and what it reports.
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -46,7 +46,7 @@ struct LiveView {
 };
 
 /// One RenderOnce request.
-struct OnceRequest {
+struct FrameRequest {
   std::uint64_t client_id = 0;
   std::uint64_t request_id = 0;
   std::uint32_t stream_id = 0;
@@ -58,7 +58,7 @@ struct OnceRequest {
   std::stop_source stop;                                               ///< requested when its client has gone
   ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };
-using OnceRequestPtr = std::shared_ptr<OnceRequest>;
+using FrameRequestPtr = std::shared_ptr<FrameRequest>;
 
 /// Settings whose faults the ground decides: whether a frame of them can be planned from a pose.
 struct Appraisal {
@@ -76,15 +76,15 @@ class RenderEvents {
   virtual ~RenderEvents() = default;
   virtual void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) = 0;
   virtual void on_live_rendered(std::size_t radar, const RenderedFrame& frame) = 0;
-  /// A frame is due, but the radar has as many live frames as it may. Repeated until one has gone.
+  /// A frame is due, but live_frames is at its limit. Repeated until one has gone.
   virtual void on_live_held_up(std::size_t radar, double since_s) = 0;
   /// The radar cannot be rendered as it is; it is tried again when its view changes.
   virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                              const std::vector<FieldError>& errors) = 0;
-  virtual void on_once_block(const OnceRequestPtr& request, const BlockPtr& block) = 0;
-  virtual void on_once_rendered(const RenderedOnce& frame) = 0;
+  virtual void on_request_block(const FrameRequestPtr& request, const BlockPtr& block) = 0;
+  virtual void on_request_rendered(const RenderedRequest& frame) = 0;
   /// Instead of a frame.
-  virtual void on_once_fault(const OnceRequestPtr& request, const std::vector<FieldError>& errors) = 0;
+  virtual void on_request_fault(const FrameRequestPtr& request, const std::vector<FieldError>& errors) = 0;
   /// No faults: a frame can be planned, as far as beam and pulse go.
   virtual void on_appraised(const AppraisalPtr& appraisal, const std::vector<FieldError>& faults) = 0;
   /// After finish(): nothing more comes.

@@ -15,7 +15,7 @@ RenderThread::Radar::Radar(RenderContext& context, std::size_t number, const std
 
 RenderThread::RenderThread(const FrameRenderer& renderer, RenderEvents& events, RenderThreadOptions options)
     : context_{.renderer = renderer, .events = events, .options = std::move(options)},
-      once_(context_),
+      requests_(context_),
       appraisals_(context_) {}
 
 RenderThread::~RenderThread() { end(); }
@@ -48,7 +48,7 @@ void RenderThread::finish() {
 void RenderThread::stop() {
   thread_.request_stop();
   for (Radar& radar : radars_) radar.stream.stop();
-  once_.stop();
+  requests_.stop();
   appraisals_.stop();
 }
 
@@ -67,8 +67,8 @@ void RenderThread::hold(bool on) {
   wake();
 }
 
-void RenderThread::enqueue(OnceRequestPtr request) {
-  once_.enqueue(std::move(request));
+void RenderThread::enqueue(FrameRequestPtr request) {
+  requests_.enqueue(std::move(request));
   wake();
 }
 
@@ -90,7 +90,7 @@ void RenderThread::run(const std::stop_token& stop) {
     auto next_due = Time::max();
     if (const auto turn = choose(context_.now(), next_due)) {
       take(*turn);
-    } else if (context_.finishing && once_.is_empty()) {
+    } else if (context_.finishing && requests_.is_empty()) {
       return context_.events.on_finished();
     } else {
       wait(stop, next_due);
@@ -100,7 +100,7 @@ void RenderThread::run(const std::stop_token& stop) {
     radar.frames.give_up();
     radar.scan.end("the server is stopping");
   }
-  once_.give_up();
+  requests_.give_up();
   appraisals_.give_up();
 }
 
@@ -129,23 +129,23 @@ std::optional<RenderThread::Turn> RenderThread::choose(Time now, Time& next_due)
     jobs.push_back(scans && !radar.frames.has_begun() ? static_cast<Job*>(&radar.scan) : &radar.frames);
     context_.scanning |= scans && !context_.finishing;
   }
-  jobs.push_back(&once_);
+  jobs.push_back(&requests_);
   jobs.push_back(&appraisals_);
   std::vector<Time> dates;
-  for (std::size_t party = 0; party < jobs.size(); ++party) {
-    dates.push_back(jobs[party]->date(now));
-    shares_.set_wanting(party, dates[party] <= now);
-    if (dates[party] > now) next_due = std::min(next_due, dates[party]);
+  for (std::size_t flow = 0; flow < jobs.size(); ++flow) {
+    dates.push_back(jobs[flow]->date(now));
+    shares_.set_wanting(flow, dates[flow] <= now);
+    if (dates[flow] > now) next_due = std::min(next_due, dates[flow]);
   }
   const std::optional<std::size_t> first = shares_.first();
   if (!first) return std::nullopt;
 
   context_.turn_ends = Time::max();
-  for (std::size_t party = 0; party < dates.size(); ++party) {
-    if (party == *first || dates[party] == Time::max()) continue;
-    const auto lead = from_seconds(shares_.lead_s(*first, party));
+  for (std::size_t flow = 0; flow < dates.size(); ++flow) {
+    if (flow == *first || dates[flow] == Time::max()) continue;
+    const auto lead = from_seconds(shares_.lead_s(*first, flow));
     context_.turn_ends =
-        std::min(context_.turn_ends, std::max({dates[party], now + lead, now + kShortestTurn}));
+        std::min(context_.turn_ends, std::max({dates[flow], now + lead, now + kShortestTurn}));
   }
   return Turn{jobs[*first], *first};
 }
@@ -154,8 +154,8 @@ void RenderThread::take(const Turn& turn) {
   context_.turn_began = context_.now();
   context_.changes_seen = seen_;
   const bool done = turn.job->work();
-  shares_.charge(turn.party, to_seconds(context_.now() - context_.turn_began));
-  if (done) shares_.done(turn.party);
+  shares_.charge(turn.flow, to_seconds(context_.now() - context_.turn_began));
+  if (done) shares_.done(turn.flow);
 }
 
 void RenderThread::wait(const std::stop_token& stop, Time until) {

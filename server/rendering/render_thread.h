@@ -16,9 +16,9 @@
 #include "server/rendering/appraisal_job.h"
 #include "server/rendering/demand.h"
 #include "server/rendering/fair_share.h"
+#include "server/rendering/frame_request_job.h"
 #include "server/rendering/live_job.h"
 #include "server/rendering/live_stream.h"
-#include "server/rendering/once_job.h"
 #include "server/rendering/scan_job.h"
 
 namespace obliq::net {
@@ -35,20 +35,20 @@ class RenderThread {
   void start();
   /// Begins no further frame; those that have begun are rendered to their ends, then on_finished() is called.
   void finish();
-  /// Begins no further frame, and gives up those that have begun after the wedges in hand.
+  /// Begins no further frame, and gives up those that have begun after their current wedges.
   void stop();
   /// stop(), and waits for the thread.
   void end();
 
   // From any thread:
   void set_view(std::size_t radar, LiveView view);
-  /// None: no client watches; a frame in hand is given up.
+  /// None: no client watches; the current frame is given up.
   void set_demand(std::size_t radar, std::vector<Demand> demands);
   /// Total freeze of all radars: see LiveStream::hold.
   void hold(bool on);
   /// From the next frame on, of a scan from the next dwell on. Null: none.
   void set_targets(TargetsPtr targets) { context_.targets.set(std::move(targets)); }
-  void enqueue(OnceRequestPtr request);
+  void enqueue(FrameRequestPtr request);
   void enqueue(AppraisalPtr appraisal);
   /// A client has taken bytes, or a request was cancelled.
   void wake();
@@ -68,7 +68,7 @@ class RenderThread {
   /// A job that was chosen, and its number in shares_.
   struct Turn {
     Job* job = nullptr;
-    std::size_t party = 0;
+    std::size_t flow = 0;
   };
 
   void run(const std::stop_token& stop);
@@ -84,7 +84,7 @@ class RenderThread {
 
   RenderContext context_;
   std::deque<Radar> radars_;  ///< a deque: elements stay where they are
-  OnceJob once_;
+  FrameRequestJob requests_;
   AppraisalJob appraisals_;
   FairShare shares_;  ///< live radars by their numbers, then RenderOnce, then appraisals
 

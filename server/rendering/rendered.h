@@ -17,7 +17,7 @@ struct FrameCost {
 };
 
 /// A completed frame of a RenderOnce request.
-struct RenderedOnce {
+struct RenderedRequest {
   double render_s = 0;  ///< of all its slices, without the waits between them
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;

@@ -18,8 +18,8 @@ class ReplayControl {
  public:
   virtual ~ReplayControl() = default;
 
-  /// What is wrong with a wish; empty: it holds from now on, for all of its fields.
-  virtual std::vector<FieldError> set(const wire::SetReplay& wish) = 0;
+  /// What is wrong with a request; empty: it holds from now on, for all of its fields.
+  virtual std::vector<FieldError> set(const wire::SetReplay& request) = 0;
   virtual void write_state(wire::ReplayState& state) const = 0;
   /// The log of the exercise that was recorded, in its order.
   virtual void each_event(const std::function<void(const wire::ExerciseEvent&)>& call) const = 0;

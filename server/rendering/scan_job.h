@@ -32,8 +32,8 @@ class ScanJob : public Job {
   void dwell(Time now);
   /// The beam is in the middle of the next dwell.
   void render_dwell(const LiveView& view, const std::stop_token& stop);
-  /// Misses the dwells before this one, which the beam has left: in the pass that has begun and in the one
-  /// that will begin with `dwell`; whole passes between are skipped.
+  /// Marks the dwells that the beam has passed as missed: in the current pass and in the one
+  /// that begins with `dwell`; whole passes between are skipped.
   void leave_out(const Dwell& dwell);
   void miss(const Dwell& dwell);
   /// Some client asked for a part of these azimuths.
@@ -51,7 +51,7 @@ class ScanJob : public Job {
   const RenderContext& context_;
   LiveStream& stream_;
   std::unique_ptr<Scan> scan_;  ///< null: the beam stands
-  LiveStream::Start start_;     ///< of the dwell in hand, as what follows
+  LiveStream::Start start_;     ///< of the current dwell, as what follows
   std::shared_ptr<const LiveView> view_;
   std::uint64_t generation_ = 0;  ///< of the renderer
   std::vector<FieldError> errors_;

@@ -30,7 +30,7 @@ BuildingIndex::BuildingIndex(const World& world) : x0_m_(world.grid.x0_m), z0_m_
     level.start.assign(static_cast<std::size_t>(level.nx) * static_cast<std::size_t>(level.nz) + 1, 0);
     if (level.nx * level.nz <= kMostBlocks) break;
   }
-  // First how many stand in each block, counted one block further on, then which.
+  // Counting sort: counts, shifted by one block, then prefix sums, then indices.
   const glm::dvec2 corner(x0_m_, z0_m_);
   const auto for_each_block = [&](auto&& use) {
     for (std::uint32_t b = 0; b < all.list.size(); ++b) {

@@ -13,7 +13,7 @@ namespace obliq {
 /// that a profile passes over most of its way without a look at posts or outlines. Immutable.
 class SurfaceBounds {
  public:
-  /// Squares of `cells` x `cells` cells; those of the next level have kLarger times as many a side.
+  /// Squares of `cells` x `cells` cells; those of the next level have kLarger times as many cells per side.
   struct Level {
     int cells = 0;
     int nx = 0, nz = 0;

@@ -40,7 +40,7 @@ struct Block {
 
   std::span<const std::byte> plane() const { return std::span(bytes).last(plane_bytes); }
   std::size_t memory() const { return bytes.size() + json_head.size(); }
-  /// How many a client is sent.
+  /// How many are sent to a client.
   std::size_t sent_bytes(bool as_json) const {
     return as_json ? json_head.size() + plane_bytes : bytes.size();
   }

@@ -91,7 +91,7 @@ struct PlaneSpot {
 };
 
 /// The middles of equal parts of every stretch between corners of buildings, no part wider than the bin's
-/// share of a plane. Corners closer together than a millionth of the bin are as good as one.
+/// share of a plane. Corners closer together than a millionth of the bin count as one.
 std::vector<PlaneSpot> place_planes(const SightedBuildings& sighted, int azimuth, double bin_width_rad,
                                     int planes_per_bin) {
   std::vector<PlaneSpot> spots;

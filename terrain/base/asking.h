@@ -10,7 +10,7 @@ namespace obliq {
 /// Thrown by ask() where the work is no longer needed. No std::exception: handlers of faults let it pass.
 struct Stopped {};
 
-/// Hears how much the threads of one piece of work have done. From any of them.
+/// Receives how much work the threads of one task have done. From any of them.
 class WorkGate {
  public:
   /// Between two calls of pass(), in units of ask(): some 1 ms.
@@ -29,7 +29,7 @@ class WorkGate {
 namespace asking {
 struct Count {
   std::int64_t left;  ///< until the gate is called
-  WorkGate* gate;     ///< null: nothing hears this thread
+  WorkGate* gate;     ///< null: no gate counts this thread
 };
 constexpr Count kUnheard{std::numeric_limits<std::int64_t>::max(), nullptr};
 extern constinit thread_local Count count;
@@ -47,7 +47,7 @@ inline void ask(std::int64_t work) {
 /// Of this thread; null: none.
 inline WorkGate* gate_of_this_thread() { return asking::count.gate; }
 
-/// As long as this lives, a gate hears the thread; null: none does.
+/// As long as this lives, a gate counts the thread's work; null: none does.
 class BehindGate {
  public:
   explicit BehindGate(WorkGate* gate);

@@ -21,7 +21,7 @@ class CsvRows {
   const std::string& cell(std::size_t column) const { return cells_[column]; }
   double number(std::size_t column, double low, double high) const;
 
-  /// About the row in hand, or after the end the last line.
+  /// About the current row, or after the end the last line.
   [[noreturn]] void refuse(const std::string& found, const std::string& allowed) const;
   /// What a cell says, fit to show.
   static std::string shown(std::string_view text);

@@ -35,7 +35,7 @@ inline void append(std::vector<FieldError>& errors, std::vector<FieldError> more
   errors.insert(errors.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-/// What is wrong, in words: what the C++ library throws for want of memory has none of its own.
+/// What is wrong, in words: what the C++ library throws for lack of memory has none of its own.
 inline std::string failure_text(const std::exception& failure) {
   if (dynamic_cast<const std::bad_alloc*>(&failure) != nullptr ||
       dynamic_cast<const std::length_error*>(&failure) != nullptr)

@@ -1,5 +1,5 @@
 #pragma once
-// The triangles of buildings. Whoever needs them works them out from the outlines: the cross product of
+// The triangles of buildings. Computed from the outlines when needed: the cross product of
 // components, (b - a) x (c - a), points out of the solid; seen from outside the corners run clockwise in
 // these left-handed axes. There is no bottom; the base is underground.
 #include <array>

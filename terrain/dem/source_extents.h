@@ -1,6 +1,6 @@
 #pragma once
 // Where the elevation models of a scene can have ground: for answers that must be quick, so each file is
-// taken as a rectangle of longitude and latitude. It may know nothing within it; beyond it knows nothing.
+// taken as a rectangle of longitude and latitude. Inside it there may be voids; outside there is no data.
 #include <span>
 #include <string>
 #include <vector>

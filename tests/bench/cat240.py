@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """CAT 240 on the loopback into a receiver with the default buffer: what is lost, by the sender's count and the receiver's.
 
   tests/bench/cat240.py [--seconds 60] [--rate 10] [--azimuths 1024] [--cells 1024] [--bits 8] [--buffer OCTETS]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The Python clients beside the C++ client: frames a second and processor time, in turns of one run.
 
   tests/bench/client_bench.py [--turns 5] [--seconds 4]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A host that commands the beam over Los Angeles: dwells of 16 degrees at 60 Hz, asked for by client/examples/dwell.cpp.
 
   tests/bench/dwells.py [--dwells 600] [--turns 3] [--bins 512x512] [--set KEY=VALUE]... [--scene FILE] [--python]
@@ -29,7 +29,7 @@ RADAR = {"frustum.quality": "draft", "radar.range_normalisation": False, "beam.p
 
 
 def ground_of(scene):
-    """Why its ground is not to be had, or None."""
+    """Why its ground is missing, or None."""
     with open(scene, "rb") as file:
         for path in tomllib.load(file)["terrain"].get("dem", ()):
             if not (scene.parent / path).exists():

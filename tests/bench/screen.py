@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The page's speed: daemon, page and a browser without a screen on this machine. Prints a table; asserts nothing.
 
     tests/page/run.sh --program tests/bench/screen.py [--seconds 20] [--only NAME,...] [--picture FILE] [--film FILE]

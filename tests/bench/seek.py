@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """How long a seek takes in a served recording: from the request to the whole picture at a station.
 
   tests/bench/seek.py [--minutes 60] [--seeks 40] [--keep FOLDER]

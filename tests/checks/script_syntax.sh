@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
-# Every shell script parses and can be executed or sourced; every Python file compiles.
+# Every shell script parses and can be executed or sourced; every Python file compiles. A Python file with a #! line can be
+# executed, and takes Debian's Python if it needs packages: that is where deploy/install-deps.sh puts them. Examples for users
+# take the users' own.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . tests/checks/source_files.sh
@@ -13,16 +15,35 @@ for script in .ci/run "${shell[@]}"; do
     status=1
   fi
 done
-mapfile -t python < <(source_files py)
-python3 - "${python[@]}" <<'END' || status=1
-import sys
+source_files py | python3 -c '
+import ast, os, sys
 
-faults = []
-for script in sys.argv[1:]:
+PACKAGES = {"google", "matplotlib", "numpy", "obliq", "obliq_pb2", "support"}
+faults = 0
+
+def fault(text):
+    global faults
+    faults += 1
+    print(text)
+
+for name in sys.stdin.read().split("\n")[:-1]:
+    with open(name, encoding="utf-8") as file:
+        text = file.read()
     try:
-        compile(open(script, encoding="utf-8").read(), script, "exec")
-    except SyntaxError as fault:
-        faults.append(f"{script}:{fault.lineno}: {fault.msg}")
-sys.exit("\n".join(faults) or None)
-END
+        tree = ast.parse(text, name)
+    except SyntaxError as error:
+        fault(f"{name}: {error}")
+        continue
+    if not text.startswith("#!"):
+        continue
+    if not os.access(name, os.X_OK):
+        fault(f"{name}: has a #! line but is not executable")
+    used = {alias.name.split(".")[0] for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    used |= {node.module.split(".")[0] for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module and not node.level}
+    allowed = "#!/usr/bin/python3" if used & PACKAGES and not name.startswith("./client/examples/") else "#!/usr/bin/env python3"
+    found = text.split("\n", 1)[0]
+    if found != allowed:
+        fault(f"{name}: found \"{found}\"; allowed: \"{allowed}\"")
+sys.exit(faults > 0)
+' || status=1
 exit "$status"

@@ -88,7 +88,7 @@ class Sender(threading.Thread):
 
 
 class KernelSocket:
-    """A UDP socket as /proc/net/udp tells of it."""
+    """A UDP socket as /proc/net/udp has it."""
 
     def __init__(self, port):
         self.local = f"0100007F:{port:04X}"

@@ -37,7 +37,7 @@ SHORT = {"speed": speed_tables.SHORT, "accuracy": accuracy_tables.SHORT}
 MEASURED = ("server/radar", "server/scene")
 # The blocks of each document, in order. A text is a list that several documents show.
 DOCUMENTS = {
-    "README.md": ["speed.short_qualities", "text.not_modelled", "accuracy.short_checks", "speed.short_frames", "text.known_faults"],
+    "README.md": ["speed.short_qualities", "accuracy.short_checks", "speed.short_frames"],
     "client/guide/model.md": ["accuracy.short_coherence", "text.not_modelled", "text.known_faults"],
     "tests/bench/SPEED.md": [f"speed.{part.name}" for part in speed_tables.PARTS],
     "tests/accuracy/ACCURACY.md": [f"accuracy.{part.name}" for part in accuracy_tables.PARTS],

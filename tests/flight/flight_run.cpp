@@ -26,7 +26,7 @@ constexpr client::Timeout kLong{30000};
 
 double seconds_since(Clock::time_point start) { return Seconds(Clock::now() - start).count(); }
 
-/// Resident memory of a process, MB; 0 when it is not to be had.
+/// Resident memory of a process, MB; 0 when it is not known.
 double memory_mb(int pid) {
   if (pid <= 0) return 0;
   return static_cast<double>(memory_of(pid).resident_bytes) / 1e6;

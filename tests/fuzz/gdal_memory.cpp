@@ -11,7 +11,7 @@
 namespace obliq::fuzz {
 
 void keep_drivers(const std::vector<std::string>& names) {
-  const GdalMessages registered;  // whoever asks later finds them registered and leaves them so
+  const GdalMessages registered;  // later calls find them registered and leave them so
   // An input may ask for any size; what we would not load anyway need not be allocated.
   CPLSetConfigOption("GDAL_CACHEMAX", "16");
   CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_EXTENSIONS", "{none}");

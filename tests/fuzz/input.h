@@ -43,7 +43,7 @@ struct QuietProtobuf {
   QuietProtobuf();
 };
 
-/// Gives every message in `bytes` that lies there whole the CRC that belongs to it; what is no message stays.
+/// Gives every message in `bytes` that lies there whole the CRC that belongs to it; other bytes stay.
 void mend_crcs(std::vector<std::byte>& bytes);
 
 /// Ends the process as a crash does. For what must never happen and would not crash by itself.

@@ -6,9 +6,9 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 # Texts that say which speeds a server takes.
-SAY_LIMITS = ["proto/obliq.proto", "proto/PROTOCOL.md", "client/guide/guide.md", "client/guide/display.md", "client/python/src/obliq/_aio_streams.py"]
+SAY_LIMITS = ["proto/obliq.proto", "proto/PROTOCOL.md", "client/guide/instructor.md", "client/guide/display.md", "client/python/src/obliq/_aio_streams.py"]
 # And which the page offers.
-SAY_OFFER = ["client/guide/guide.md", "client/guide/display.md"]
+SAY_OFFER = ["client/guide/instructor.md", "client/guide/display.md"]
 
 
 def text_of(name):

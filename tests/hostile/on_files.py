@@ -62,7 +62,7 @@ def rows(angles, gains):
 
 @attack("L3")
 def quoted_secrets(place):
-    """A pattern table that is a link to somebody's secret, one whose name is NUL: nothing of a file is quoted."""
+    """A pattern table that is a link to a secret, one whose name is NUL: nothing of a file is quoted."""
     secret = place.write("secret", SECRET + "\nmore\n")
     said = pattern(place, "a link to a secret", lambda path: os.symlink(secret, path), refused=True)
     place.expect(not any(SECRET[k:k + 6] in said for k in range(len(SECRET) - 5)), f"a secret is quoted: {said[-160:]}")

@@ -186,5 +186,5 @@ def ask_and_go(place):
     while queued and time.monotonic() < end:
         time.sleep(0.1)
         queued = wire.pb.Status.FromString(place.peer(served).demand(wire.GET_STATUS)).renders_queued
-    place.expect(queued == 0, f"{queued} requests of those who left are still queued")
+    place.expect(queued == 0, f"{queued} requests of clients that left are still queued")
     return f"{count} times"

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Hostile peers and files against the programs, each beside an honest client, some seconds each.
 
   tests/hostile/run.py [--bin DIR] [--only NAME]... [--seconds S] [--seed N] [--list]

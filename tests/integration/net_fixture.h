@@ -50,7 +50,7 @@ class Gate {
     changed_.wait(lock, [this] { return open_; });
     --standing_;
   }
-  /// Returns when somebody stands at the closed gate.
+  /// Returns when a thread stands at the closed gate.
   void await_somebody() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return standing_ > 0; });

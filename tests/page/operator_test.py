@@ -151,7 +151,7 @@ class Echoes(BaseOperator):
         self.set(stc_range_m=0)
         self.page.script("document.getElementById('scale-own').click()")
 
-    # ---- What is no echo
+    # ---- Bins without an echo
 
     def test_ground_that_no_file_has_is_hatched_without_the_overlay(self):
         scene = support.SCENE.replace('synthetic = "hills"', f'dem = ["{self.daemon.folder}/half.asc"]')

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs the tests of a file or of one class in it: run.py NAME_test[.CLASS]. Exit code 77 where something that they need is missing."""
 import pathlib
 import sys

@@ -64,7 +64,7 @@ scan.rate_deg_s = 90.0
 
 
 def listens(port):
-    """Whether somebody answers on a port of this machine."""
+    """Whether a program answers on a port of this machine."""
     with socket.socket() as tried:
         return tried.connect_ex(("127.0.0.1", port)) == 0
 

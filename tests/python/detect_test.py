@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """client/examples/detect.py counts what theory says, and `obliq explain` says the same of the same scene."""
 import os
 import re

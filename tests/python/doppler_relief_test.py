@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Doppler of ground over real relief against sums over facets by hand.
 
 A canceller without a beam leaves of each sharp bin (2 sin(pi f / PRF))^2 / 2 of its power: at a PRF above all frequencies that says the

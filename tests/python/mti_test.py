@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """client/examples/mti_check.py measures what closed forms say, and client/examples/mti.py finds a convoy where it is."""
 import os
 import re

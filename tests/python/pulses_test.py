@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Trains of pulses as a Python program gets them: live and once, recorded and replayed, saved, in data sets, and their
 range-Doppler map."""
 import contextlib

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Targets over real relief against sums by hand: ranges, bearings, the share that is seen, signal to noise.
 
 The oracle is this file: heights by bilinear interpolation of the elevation model as GDAL writes it out, a vertical profile

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Targets by Python: set, listed, seen in frames with the truth beside them; in a recording; what is refused."""
 import asyncio
 import math

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Who is told where targets are, by obliqd and by a replay with tokens, over TCP and WebSocket: server.truth_role and those above
 it, as it was rendered or recorded; others get nothing of it."""
 import contextlib
@@ -201,7 +200,7 @@ class Replayed(Roles):
 
 
 class ReplayedPasses(Replayed):
-    """Of a scanning antenna: dwells tell of what is in their bins, the replay of all at a pass's end."""
+    """Of a scanning antenna: dwells have what is in their bins, the replay has all at a pass's end."""
 
     radar, told = "scan", {5, 1 << 40}
 

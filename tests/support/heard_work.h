@@ -1,5 +1,5 @@
 #pragma once
-// Hears every ask() of a thread: how much work there was between two, and in all.
+// Counts every ask() of a thread: how much work there was between two, and in all.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// A radar that hears nothing but its own noise.
+// A radar that receives nothing but its own noise.
 #include <complex>
 
 #include "server/radar/receiver/receiver.h"

@@ -28,7 +28,7 @@ client::Client connect(const ExerciseArguments& arguments) {
   return client;
 }
 
-/// Both claims of a radar, or of all (empty). An admin needs none, and whoever flies or operates goes on.
+/// Both claims of a radar, or of all (empty). An admin needs none, and the holders keep theirs.
 void claim(client::Client& client, const std::string& radar) {
   if (client.welcome().role() == "admin") return;
   for (const std::string& name : client.welcome().radars())

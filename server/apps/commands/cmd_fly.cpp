@@ -144,7 +144,7 @@ class Flight {
       if (interrupted()) return false;
       const auto left = std::chrono::duration_cast<milliseconds>(moment - Clock::now());
       if (left < milliseconds(1)) break;
-      // Heartbeats are answered meanwhile, and a takeover by an admin is heard.
+      // Heartbeats are answered meanwhile, and an admin's takeover is detected.
       const client::Status status = client_.receive(std::min(left, kLook));
       if (status.outcome != client::Outcome::timed_out) require(status);
     }

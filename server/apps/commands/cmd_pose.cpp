@@ -51,7 +51,7 @@ void run(const PoseArguments& arguments) {
     apply_radar_flags(arguments.set, config);
     wire::Pose pose;
     write_named(arguments.set, config.pose, pose);
-    // A radar on a platform is not moved by itself; its antenna is turned by whoever holds its settings.
+    // A radar on a platform is not moved by itself; the holder of its settings turns its antenna.
     const bool rides = !info.platform().empty();
     if (!pose.has_pose_id() && !rides) pose.set_pose_id(config.pose.pose_id + 1);
     wire::Ack ack;

@@ -24,7 +24,7 @@ struct SetArguments {
   bool json = false;
 };
 
-/// A radar as a server tells of it.
+/// A radar as a server describes it.
 struct Shown {
   wire::RadarInfo info;
   RadarConfig config;
@@ -134,7 +134,7 @@ void run(const SetArguments& arguments) {
   const std::optional<bool> transmit = is_on(arguments.transmit);
   const std::optional<bool> freeze = is_on(arguments.freeze);
   const bool changes = !arguments.settings.empty() || transmit || freeze;
-  // Whoever flies the radar goes on.
+  // The holder of the pose keeps it.
   if (changes) require(client.claim(radar, wire::kSettingsClaim));
   const Shown before = look(client, radar);
   if (!arguments.settings.empty()) {

@@ -84,7 +84,7 @@ class TimedFrames : public client::FrameAssembler {
     return FrameAssembler::on_abort(header, abort);
   }
 
-  /// When the server began the frame in hand.
+  /// When the server began the current frame.
   std::int64_t utc_ns() const { return utc_ns_; }
 
  private:

@@ -47,7 +47,7 @@ std::optional<EntityId> entity_of(const DatagramSource& source) {
   return entity;
 }
 
-/// What comes is sent on; what is no pose is counted and told.
+/// Forwards poses; counts and reports datagrams that are not poses.
 class Ride {
  public:
   void note_loss() {
@@ -72,7 +72,7 @@ class Ride {
 
   void run() {
     while (!interrupted()) {
-      // Heartbeats are answered, and a takeover by an admin is heard. A lost connection is taken up again.
+      // Heartbeats are answered, and an admin's takeover is detected. A lost connection is taken up again.
       const client::Status status = client_.receive(milliseconds(0));
       if (status.outcome != client::Outcome::timed_out) require(status);
       if (lost_) back_again();
@@ -96,7 +96,7 @@ class Ride {
   }
 
  private:
-  /// The server may be another one, which knows nothing of before; poses that came meanwhile are old.
+  /// The server may be another one, without the earlier state; poses that came meanwhile are old.
   void back_again() {
     lost_ = false;
     says_bearing_ = true;

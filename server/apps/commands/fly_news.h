@@ -21,7 +21,7 @@ class FlyNews {
   /// Of an Ack: tells those that the one before had not.
   void hear(std::vector<std::string> warnings);
 
-  /// What is no datagram comes first.
+  /// Lines about anything but datagrams come first.
   void tell_what_is_due();
   void tell_the_rest();
   std::uint64_t refused() const { return refused_.all(); }

@@ -28,7 +28,7 @@ class PduSource {
   void take(std::chrono::milliseconds longest, FlyNews& news, const Taker& taker);
   /// The datagrams as they are.
   Datagrams take(std::chrono::milliseconds longest) { return inbox_.take(longest); }
-  /// ", 3 datagrams lost ...": for want of room, here or in the kernel.
+  /// ", 3 datagrams lost ...": buffers were full, here or in the kernel.
   std::string losses() const;
   /// "1 PDU understood": all that went to the taker.
   std::string understood() const;

@@ -61,10 +61,10 @@ std::string why_no_parameter(const std::string& name) {
     (of_radar ? names : of_scene).push_back(key.name);
   }
   if (name == "radar.platform" || name.starts_with("mount."))
-    return "stands in the scene file alone, which says what rides on what; allowed: change it there and "
+    return "can only be set in the scene file, which says what rides on what; allowed: change it there and "
            "start obliqd anew";
   if (name == "beam.file" || name == "radar.preset")
-    return "stands in the scene file alone; allowed: change it there and send obliqd a SIGHUP";
+    return "can only be set in the scene file; allowed: change it there and send obliqd a SIGHUP";
   if (std::ranges::find(of_scene, name) != of_scene.end())
     return std::string(
                "belongs to the scene, which obliqd reads when it starts and at SIGHUP; allowed: a "

@@ -12,8 +12,8 @@ namespace obliq {
 /// Throws InputError where the server's values are none of ours.
 std::string state_text(const wire::ExerciseState& state);
 
-/// Throws InputError "FILE:LINE: ..." for what is no state, of a later version, cut, or has values out of
-/// their limits. What goes with the scene that is served the server says.
+/// Throws InputError "FILE:LINE: ..." for a file that is not a state, of a later version, cut, or has values
+/// out of their limits. What goes with the scene that is served the server says.
 wire::ExerciseState read_state_file(const std::filesystem::path& path);
 
 }  // namespace obliq

@@ -46,7 +46,7 @@ wire::BinRun parse_bin_run(const std::string& text, const std::string& option);
 void add_rate_argument(CLI::App& app, double& rate_hz, const std::string& text);
 void add_frames_argument(CLI::App& app, std::uint64_t& frames, const std::string& text);
 
-// How the commands that stay connected tell of a lost connection.
+// How the commands that stay connected report a lost connection.
 
 /// Whether it is a refusal that concerns a radar, which may recover: then it is told as a warning.
 bool is_warning(const client::Status& status, const char* before = "");

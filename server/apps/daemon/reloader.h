@@ -17,8 +17,8 @@ class Security;
 class Server;
 }  // namespace net
 
-/// What SIGHUP does. Tokens and certificate are read first and by themselves, each taken over by itself,
-/// whatever becomes of the rest and also while a scene is being built. Then the scene file is read: log,
+/// What SIGHUP does. Tokens and certificate are read first and reloaded independently of each other and
+/// of the scene, also while a scene is being built. Then the scene file is read: log,
 /// limits and radars' parameters change at once, a scene is built by the keeper. A newer signal supersedes
 /// what an older one has begun. On the io thread, but for what it starts by itself.
 class Reloader {

@@ -68,7 +68,7 @@ std::string fault_of(const EntityState& state, const glm::dvec3& orientation) {
     return is_finite(vector) && glm::length(vector) <= most;
   };
   if (!within(state.location_m, kMostRadius_m) || glm::length(state.location_m) == 0)
-    return "location: found a point that is no place near the earth";
+    return "location: found a point that is not near the earth";
   if (!within(state.velocity_m_s, kMostSpeed_m_s) || !within(state.acceleration_m_s2, kMostSpeed_m_s) ||
       !within(state.turn_rad_s, kMostTurn_rad_s) || !is_finite(orientation))
     return "velocity, acceleration, turn or orientation: found no number, or one that is too large";

@@ -13,7 +13,7 @@ class PlaybackClock {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Stands at 0 until somebody watches. speed: recorded seconds in a second; infinity: everything is due at
+  /// Stands at 0 until a client watches. speed: recorded seconds in a second; infinity: everything is due at
   /// once.
   explicit PlaybackClock(double speed) : speed_(speed) {}
 

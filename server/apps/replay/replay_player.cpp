@@ -91,13 +91,13 @@ std::optional<ReplayPlayer::Due> ReplayPlayer::read_frame() {
 }
 
 // Before the frame of the place comes the one before it, so that a turning antenna's picture is whole.
-void ReplayPlayer::go_to(const Wish& wish) {
+void ReplayPlayer::go_to(const Seek& place) {
   std::int64_t utc_ns = 0;
-  if (__builtin_add_overflow(origin_utc_ns_, wish.at_ns, &utc_ns)) utc_ns = INT64_MAX;
+  if (__builtin_add_overflow(origin_utc_ns_, place.at_ns, &utc_ns)) utc_ns = INT64_MAX;
   auto found = search_->at_utc(utc_ns);
-  std::int64_t to_ns = wish.at_ns;
-  if (wish.sim_time_ns) {
-    found = search_->at_sim_time(*wish.sim_time_ns).value_or(found);
+  std::int64_t to_ns = place.at_ns;
+  if (place.sim_time_ns) {
+    found = search_->at_sim_time(*place.sim_time_ns).value_or(found);
     to_ns = from_start_ns(found.frame.utc_ns);
   }
   std::unique_ptr<client::RecordingReader> reader;
@@ -109,7 +109,7 @@ void ReplayPlayer::go_to(const Wish& wish) {
   keep_until_ns_ = to_ns;
   next_ = read_frame();
   const std::lock_guard lock(state_);
-  if (wish_) return;  // somewhere else by now
+  if (seek_) return;  // somewhere else by now
   frame_at_ns_ = frame_place_ns_ = to_ns;
   clock_.jump(to_ns);
   jumps_ = clock_.jumps();
@@ -129,7 +129,7 @@ ReplayPlayer::Due ReplayPlayer::take_newest() {
 void ReplayPlayer::end() {
   {
     const std::lock_guard lock(state_);
-    if (wish_) return;
+    if (seek_) return;
     over_ = true;
   }
   tell();
@@ -138,14 +138,14 @@ void ReplayPlayer::end() {
 
 net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
   const std::lock_guard reading(reading_);
-  std::optional<Wish> wish;
+  std::optional<Seek> place;
   // Places sought faster than they can be shown do not keep each other from being shown.
   if (!next_ || !is_kept(*next_)) {
     const std::lock_guard lock(state_);
-    wish = std::exchange(wish_, std::nullopt);
+    place = std::exchange(seek_, std::nullopt);
   }
-  if (wish) {
-    go_to(*wish);
+  if (place) {
+    go_to(*place);
     tell();
   }
   const std::uint64_t jumps_now = clock_.jumps();
@@ -206,11 +206,11 @@ void ReplayPlayer::stop() {
 
 // ---- Control ----
 
-void ReplayPlayer::wish_for(const Wish& wish) {
-  wish_ = wish;
+void ReplayPlayer::seek_to(const Seek& place) {
+  seek_ = place;
   over_ = false;
-  frame_at_ns_ = frame_place_ns_ = wish.at_ns;
-  clock_.jump(wish.at_ns);
+  frame_at_ns_ = frame_place_ns_ = place.at_ns;
+  clock_.jump(place.at_ns);
 }
 
 // From the recording's start.
@@ -223,45 +223,46 @@ std::string replay_speeds() {
   return fmt::format("{:.10g} to {:.10g} recorded seconds in a second", kSlowestReplay, kFastestReplay);
 }
 
-std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& wish) {
+std::vector<FieldError> ReplayPlayer::set(const wire::SetReplay& request) {
   std::vector<FieldError> errors;
-  const bool speed_is_good = (wish.speed() >= kSlowestReplay && wish.speed() <= kFastestReplay) ||
-                             wish.speed() == std::numeric_limits<double>::infinity();
-  if (wish.has_speed() && !speed_is_good)
+  const bool speed_is_good = (request.speed() >= kSlowestReplay && request.speed() <= kFastestReplay) ||
+                             request.speed() == std::numeric_limits<double>::infinity();
+  if (request.has_speed() && !speed_is_good)
     errors.push_back(
-        {"speed", toml_number(wish.speed()), replay_speeds() + ", or infinity (without waiting)"});
+        {"speed", toml_number(request.speed()), replay_speeds() + ", or infinity (without waiting)"});
   const double duration_s = 1e-9 * static_cast<double>(duration_ns_);
-  if (wish.has_seek_s() && !(wish.seek_s() >= 0 && wish.seek_s() <= duration_s))
+  if (request.has_seek_s() && !(request.seek_s() >= 0 && request.seek_s() <= duration_s))
     errors.push_back(
-        {"seek_s", toml_number(wish.seek_s()), fmt::format("0 to {} s, its length", duration_s)});
-  if (wish.has_seek_sim_time_ns() && wish.has_seek_s())
+        {"seek_s", toml_number(request.seek_s()), fmt::format("0 to {} s, its length", duration_s)});
+  if (request.has_seek_sim_time_ns() && request.has_seek_s())
     errors.push_back({"seek_sim_time_ns", "a time beside seek_s", "one of the two"});
-  if (wish.has_seek_sim_time_ns() && !has_sim_times_)
-    errors.push_back({"seek_sim_time_ns", std::to_string(wish.seek_sim_time_ns()),
+  if (request.has_seek_sim_time_ns() && !has_sim_times_)
+    errors.push_back({"seek_sim_time_ns", std::to_string(request.seek_sim_time_ns()),
                       "nothing: the poses of this recording have no sim_time_ns; seek_s"});
   if (!errors.empty()) return errors;
-  take(wish);
-  for (ReplayPlayer* other : in_step_) other->follow(wish);
+  take(request);
+  for (ReplayPlayer* other : in_step_) other->follow(request);
   return {};
 }
 
-void ReplayPlayer::follow(wire::SetReplay wish) {
-  if (wish.has_seek_s()) wish.set_seek_s(std::min(wish.seek_s(), 1e-9 * static_cast<double>(duration_ns_)));
-  if (!has_sim_times_) wish.clear_seek_sim_time_ns();
-  take(wish);
+void ReplayPlayer::follow(wire::SetReplay request) {
+  if (request.has_seek_s())
+    request.set_seek_s(std::min(request.seek_s(), 1e-9 * static_cast<double>(duration_ns_)));
+  if (!has_sim_times_) request.clear_seek_sim_time_ns();
+  take(request);
 }
 
-void ReplayPlayer::take(const wire::SetReplay& wish) {
+void ReplayPlayer::take(const wire::SetReplay& request) {
   {
     const std::lock_guard lock(state_);
-    if (wish.has_paused()) clock_.set_paused(wish.paused());
-    if (wish.has_speed()) clock_.set_speed(wish.speed());
-    if (wish.has_seek_s() || wish.has_seek_sim_time_ns()) {
+    if (request.has_paused()) clock_.set_paused(request.paused());
+    if (request.has_speed()) clock_.set_speed(request.speed());
+    if (request.has_seek_s() || request.has_seek_sim_time_ns()) {
       ++seeks_;
-      Wish place{place_ns()};
-      if (wish.has_seek_s()) place.at_ns = std::llround(wish.seek_s() * 1e9);
-      if (wish.has_seek_sim_time_ns()) place.sim_time_ns = wish.seek_sim_time_ns();
-      wish_for(place);
+      Seek place{place_ns()};
+      if (request.has_seek_s()) place.at_ns = std::llround(request.seek_s() * 1e9);
+      if (request.has_seek_sim_time_ns()) place.sim_time_ns = request.seek_sim_time_ns();
+      seek_to(place);
     }
   }
   tell();
@@ -313,8 +314,8 @@ void ReplayPlayer::watched(bool by_anyone, bool newcomer) {
     has_watchers_ = by_anyone;
     update_watched();
     // Where time stands still, nothing would come until it flows again.
-    const bool shows_again = newcomer && !wish_ && (clock_.is_paused() || over_);
-    if (shows_again) wish_for({place_ns()});
+    const bool shows_again = newcomer && !seek_ && (clock_.is_paused() || over_);
+    if (shows_again) seek_to({place_ns()});
     if (ran == clock_.runs() && !shows_again) return;
   }
   tell();

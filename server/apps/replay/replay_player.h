@@ -35,13 +35,13 @@ std::string replay_speeds();
 
 class ReplayPlayer : public net::ReplayControl {
  public:
-  /// say: hears what is missing in the recording. ended: called once, after the last frame, unless it loops
+  /// say: gets what is missing in the recording. ended: called once, after the last frame, unless it loops
   /// or holds. Throws InputError.
   ReplayPlayer(std::string path, client::RecordingStart start, const ReplayOptions& options,
                std::function<void(const std::string&)> say, std::function<void()> ended);
 
-  /// Of another radar of the recording: from now on both are at one place, whoever steers which. Before
-  /// either plays; both must outlive all use.
+  /// Of another radar of the recording: from now on both are at one place, and steering one steers both.
+  /// Before either plays; both must outlive all use.
   void keep_in_step(ReplayPlayer& other);
 
   const client::RecordingStart& start() const { return start_; }
@@ -52,10 +52,10 @@ class ReplayPlayer : public net::ReplayControl {
   /// The next frame, when it is due; nothing new: waits a while. For one thread at a time.
   net::FrameRenderer::Plan plan(const SettingsPtr& settings);
 
-  /// Hands out no more; a frame in hand ends at once, where it may wait for a long time.
+  /// Hands out no more; a current frame ends at once where it may wait for long.
   void stop();
 
-  std::vector<FieldError> set(const wire::SetReplay& wish) override;
+  std::vector<FieldError> set(const wire::SetReplay& request) override;
   void write_state(wire::ReplayState& state) const override;
   void each_event(const std::function<void(const wire::ExerciseEvent&)>& call) const override;
   void keep(const wire::ExerciseEvent& bookmark) override;
@@ -68,25 +68,25 @@ class ReplayPlayer : public net::ReplayControl {
     std::int64_t at_ns = 0;  ///< by the clock
   };
   /// A place that is to be shown.
-  struct Wish {
+  struct Seek {
     std::int64_t at_ns = 0;  ///< from the recording's start
     std::optional<std::int64_t> sim_time_ns{};
   };
 
   // With `reading_` held:
   std::optional<Due> read_frame();
-  void go_to(const Wish& wish);
+  void go_to(const Seek& place);
   bool is_kept(const Due& due) const { return due.at_ns <= keep_until_ns_; }
   Due take_newest();
   void end();
 
   // With `state_` held:
-  void wish_for(const Wish& wish);
+  void seek_to(const Seek& place);
   std::int64_t place_ns() const;
 
   /// What a client of another radar has set.
-  void follow(wire::SetReplay wish);
-  void take(const wire::SetReplay& wish);
+  void follow(wire::SetReplay request);
+  void take(const wire::SetReplay& request);
   void update_watched();
 
   bool is_over() const;
@@ -115,7 +115,7 @@ class ReplayPlayer : public net::ReplayControl {
   client::RecordingLosses losses_;
 
   mutable std::mutex state_;  ///< guards what follows; held for moments only
-  std::optional<Wish> wish_;
+  std::optional<Seek> seek_;
   bool over_ = false;
   std::uint64_t seeks_ = 0;
   std::int64_t frame_at_ns_ = 0;     ///< of the newest frame, by the clock

@@ -45,7 +45,7 @@ class ReplayedFrame : public net::PlannedFrame {
   PlaybackClock& clock_;
   Times times_;
   mutable std::unique_ptr<wire::ScanPass> scan_;
-  mutable std::unique_ptr<wire::WedgeBlock> dwell_;  ///< of the wedge in hand
+  mutable std::unique_ptr<wire::WedgeBlock> dwell_;  ///< of the current wedge
   mutable std::set<const client::AssembledTrain*> given_;
 };
 

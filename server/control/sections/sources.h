@@ -18,7 +18,7 @@ extern const ListSection<SurfaceSpec> kSurfaces;
 
 /// buildings.corners, one switch for all buildings of the scene: after materials and buildings are read.
 void settle_corners(SceneReading& scene);
-/// As a table of its own, where no [[buildings]] has it.
+/// The default where no [[buildings]] table sets it.
 std::string printed_corners(const SceneConfig& config);
 
 extern const Section kTerrainSection;

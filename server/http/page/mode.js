@@ -7,7 +7,7 @@ import { refusalText } from "./stream.js";
 const C_MPS = 299792458;
 const STANDS_MPS = 1; // what is slower does not fly
 const KEY = "radar.mode";
-const FOR_PROGRAMS = "pulses"; // it has no picture of its own
+const FOR_PROGRAMS = "pulses"; // no display for pulses: programs receive them
 
 /** @typedef {import("../wire.js").RadarSettings} RadarSettings */
 
@@ -59,7 +59,7 @@ export class ModeSwitch {
     this.choice = make("span", { className: "choice" });
     this.choice.setAttribute("role", "radiogroup");
     this.choice.setAttribute("aria-label", "Mode of the radar");
-    this.word = make("output", { className: "holder" }); // for those who may not set it
+    this.word = make("output", { className: "holder" }); // for clients that may not set it
     this.says = make("p", { className: "hint" });
     this.lacks = make("p", { className: "hint lack" });
     this.refusal = make("p", { className: "refusal" });

@@ -1,4 +1,4 @@
-// Targets of the world for those who may know them: the list of all, which of them is chosen, the claim, and what is set by hand.
+// Targets of the world for clients that may know them: the list of all, which of them is chosen, the claim, and what is set by hand.
 // Where truth is not given (Welcome.truth) nothing of this exists in the page.
 
 import { Events } from "./events.js";

@@ -8,7 +8,7 @@
 namespace obliq {
 namespace {
 
-/// No direction is quite dark, 160 dB both ways: a bin's ground stays there to be counted.
+/// Floor of the gain, -80 dB one way, so that the ground of every bin is counted.
 constexpr double kLeastGain = 1e-8;
 
 }  // namespace

@@ -302,7 +302,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
                     13 * (size.n_taps + kWedgeAzimuthBins * layout.azimuth_parts) + 4 * grown_bytes(0, 0);
 
   if (has_doppler_filter(s)) {
-    // DopplerRows: Doppler, I&Q and powers of the rows in hand. DopplerPlan, polynomials of a canceller.
+    // DopplerRows: Doppler, I&Q and powers of the current rows. DopplerPlan, polynomials of a canceller.
     constexpr std::int64_t kRowFloats = 8;
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
@@ -320,7 +320,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
         2 * kFloat * row * s.doppler.pulses + 2 * std::int64_t{kPulseRows} * kRowBytes * layout.stride();
   }
 
-  // An output wedge's, those of the next ones that are in hand, and lists of both.
+  // An output wedge's, those of the next ones in progress, and lists of both.
   constexpr std::int64_t kWedge = kWedgeAzimuthBins;
   const std::int64_t rows = std::min(size.n_taps + kWedge * (layout.azimuth_parts + 2 * threads),
                                      std::int64_t{layout.sharp_azimuths});

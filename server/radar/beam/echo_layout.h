@@ -20,7 +20,7 @@ inline bool has_beam(const RadarSettings& s) {
   return s.beam.pattern != BeamPattern::off && s.mode != RadarMode::sar;
 }
 
-/// What a plan needs to know of the place.
+/// Antenna height and range limits for the plan.
 struct EchoPlace {
   double height_m = 0;        ///< how far the lowest ground lies below the antenna, or the highest above it
   double least_r_min_m = 0;   ///< what the frustum allows
@@ -85,7 +85,7 @@ int steepest_step(const EchoPlace& place, double range_m);
 /// Its cosine of elevation.
 double least_cosine(const EchoPlace& place, double range_m);
 
-/// So many rows of a train of pulses are added up at a time.
+/// Rows of a train of pulses that are added up in one pass.
 constexpr int kPulseRows = 256;
 
 /// What a plan and the sums over it take at most, wherever the antenna is.

@@ -20,7 +20,7 @@ class SharpStore {
   void fit(const EchoPlan& plan);
   /// Null: not there, or without a plane that is wanted.
   SharpWedgePtr find(int sharp_wedge, const SharpPlanes& wanted) const;
-  /// Keeps it for as long as there is room: what came first goes first.
+  /// Keeps it; evicts the oldest when full.
   void keep(int sharp_wedge, const SharpPlanes& planes, SharpWedgePtr wedge);
   void clear();
   std::size_t bytes() const;

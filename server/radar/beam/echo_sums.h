@@ -39,7 +39,7 @@ class EchoSums {
   void sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, int output);
   void take_doppler(const std::vector<const SharpWedge*>& rows, int first_row, DopplerRows::Voltages voltages,
                     std::uint64_t draw);
-  /// Of the rows in hand: `begin` is the first output's first, n from `first` on weigh.
+  /// Of the current rows: `begin` is the first output's first, n from `first` on weigh.
   struct RowSpan {
     int begin, first, n;
   };
@@ -62,7 +62,7 @@ class EchoSums {
   std::vector<float> zeros_;                      // a row without ground
   Rows zero_rows_;                                // of those
   std::vector<std::uint8_t> level_;               // [tiles] its kernels
-  std::vector<const std::uint8_t*> row_kernels_;  // of the rows in hand, [tiles] each
+  std::vector<const std::uint8_t*> row_kernels_;  // of the current rows, [tiles] each
   std::vector<std::int32_t> taps_at_;             // of their weights in one tile
   std::vector<std::vector<float>> rows_[2];       // of iq and of power: [outputs][pad + stride + pad] bins
   std::vector<float> ranges_[2];                  // a row, summed over ranges

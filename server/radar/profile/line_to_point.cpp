@@ -186,7 +186,7 @@ class Look {
   const GroundView ground_;
   const bool from_above_;
   Obstacle highest_;
-  std::vector<Square> squares_;  ///< in hand, of all levels, where they are sorted
+  std::vector<Square> squares_;  ///< to be looked at, of all levels, sorted
   std::vector<RoofSpan> spans_;
 };
 

@@ -162,8 +162,8 @@ void LocalSurface::add_roof(const RoofSpan& roof, double d0, double d1) {
 
 void LocalSurface::walk_out(const SightPoint& from, double to_slope, double to_d_m,
                             std::vector<SurfaceSegment>& visible) {
-  // Whatever lies nearer than the hit is lower in elevation, or it would hide the hit: the running horizon
-  // passes over it, and the whole first cell may be looked at.
+  // Surface nearer than the hit is below its line of sight, or it would hide the hit: the running horizon
+  // passes over it, and the whole first cell may be marched.
   double horizon = from.slope;
   int unseen = 0;
   const auto begin = [&](double d) { return unseen++ <= kLook_cells && d <= to_d_m + kTouching_m; };

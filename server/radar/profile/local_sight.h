@@ -82,7 +82,7 @@ class LocalSurface {
   glm::dvec3 antenna_m_;
   GroundView ground_;
   ProfileRates<double> outwards_{}, inwards_{};
-  std::vector<SurfaceSegment> segments_;  // of the triangle at hand, outwards
+  std::vector<SurfaceSegment> segments_;  // of the current triangle, outwards
 };
 
 }  // namespace obliq

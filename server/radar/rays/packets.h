@@ -1,6 +1,6 @@
 #pragma once
 // Which pixels are traced together. Embree traces the rays of a packet together while they go the same way:
-// sixteen in a square part later than sixteen in a row (tests/bench/README.md).
+// sixteen in a square part later than sixteen in a row (tests/bench/SPEED-2026-11.md).
 #include <algorithm>
 #include <array>
 #include <cstddef>

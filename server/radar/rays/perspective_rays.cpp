@@ -72,7 +72,7 @@ bool PerspectiveRays::generate(RayBatch& batch) {
   return pixels_.n > 0;
 }
 
-/// Adds waiting pixels to those at hand.
+/// Adds waiting pixels to the current ones.
 void PerspectiveRays::take(std::size_t n) {
   const auto first = static_cast<std::size_t>(pixels_.n);
   const bool whole = taken_ == 0 && n == waiting_.size();
@@ -166,7 +166,7 @@ PixelSpan PerspectiveRays::add_row(int row) {
   return span;
 }
 
-/// The rays of the pixels at hand that reach the swath.
+/// The rays of the current pixels that reach the swath.
 void PerspectiveRays::generate_waiting(RayBatch& batch) {
   // Padded to a multiple of 8; the values are ignored.
   for (auto k = static_cast<std::size_t>(pixels_.n); k % 8 != 0; ++k) {

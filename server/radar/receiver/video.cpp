@@ -17,7 +17,7 @@ namespace {
 /// are to be seen.
 constexpr double kGamma_db = -15;
 constexpr double kBelowGround_db = 20;
-/// Of a radar that sends nothing and hears nothing.
+/// Floor for zero power and no noise.
 constexpr double kLowestFloor_db = -400;
 
 constexpr std::size_t kSpare = 8;  // lanes of a kernel

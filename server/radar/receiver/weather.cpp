@@ -128,7 +128,7 @@ double seen_between(const ElevationGain& gain, double from, double to) {
 double rain_attenuation_db_km(double rain_mm_h, double frequency_ghz, Polarisation polarisation) {
   if (rain_mm_h <= 0) return 0;
   const bool horizontal = polarisation == Polarisation::horizontal;
-  // The Recommendation begins at 1 GHz; there rain is nothing to speak of.
+  // The Recommendation begins at 1 GHz, where attenuation by rain is negligible.
   const double f = std::max(frequency_ghz, 1.0);
   const double k = std::pow(10, (horizontal ? kLogK_horizontal : kLogK_vertical).at(f));
   return k * std::pow(rain_mm_h, (horizontal ? kAlpha_horizontal : kAlpha_vertical).at(f));

@@ -8,7 +8,7 @@
 namespace obliq {
 
 /// One-way power gain over the sine of elevation about the antenna's own vertical, interpolated between even
-/// steps. `gain` is null where the antenna has no pattern in elevation. Whoever fills it owns the table.
+/// steps. `gain` is null where the antenna has no pattern in elevation. The owner of the table fills it.
 struct ElevationTable {
   static constexpr int kSteps = 8192;
   const float* gain = nullptr;  ///< [kSteps + 1]

@@ -27,20 +27,20 @@ struct GroundCut {
 };
 
 /// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen runs of segments go
-/// side by side: two planes of eight azimuth bins. Each has one bin on the way, the
-/// others are in the list in the order in which they ended. Seven digits do: distances are kept from where a
-/// segment begins, ranges to 4 mm at 37 km.
+/// side by side: two planes of eight azimuth bins. Each has one pending bin; the
+/// others are in the list in the order in which they ended. Float precision suffices: distances are kept from
+/// where a segment begins, ranges to 4 mm at 37 km.
 struct GroundEchoes {
   static constexpr int kRuns = 16;
   static constexpr int kLog2Runs = 4;
   static constexpr int kMost = 512;
   static constexpr int kSpare = 16;  ///< elements that may be written behind the last one
-  /// On the way: range bin, whole numbers; -1: none.
-  float bin_now[kRuns];
-  float distance_now_m[kRuns];
-  float light_now[kRuns];
-  float material_now[kRuns];
-  float sine_now[kRuns];
+  /// Pending: range bin, whole numbers; -1: none.
+  float pending_bin[kRuns];
+  float pending_distance_m[kRuns];
+  float pending_power[kRuns];
+  float pending_material[kRuns];
+  float pending_sine[kRuns];
   int n;
   std::uint32_t at[kMost + kSpare];  ///< range bin x 16 + run
   float distance_m[kMost + kSpare];  ///< ground distance of its middle, as if all of the bin were seen
@@ -58,14 +58,14 @@ struct GroundStretches {
   static constexpr int kMaterialBit = 24;
   static constexpr std::uint32_t kPlaces = (std::uint32_t{1} << kMaterialBit) - 1;
   static constexpr float kGap_m = 1.0F / 16;  ///< ends of segments are floats: a shorter gap is none
-  float bin_now[GroundEchoes::kRuns];
-  float material_now[GroundEchoes::kRuns];
-  float from_now_m[GroundEchoes::kRuns];  ///< ground distances of its ends,
-  float end_now_m[GroundEchoes::kRuns];
-  float from_now_h_m[GroundEchoes::kRuns];  ///< and heights above the antenna
-  float end_now_h_m[GroundEchoes::kRuns];
-  float light_now[GroundEchoes::kRuns];
-  float height_now[GroundEchoes::kRuns];
+  float pending_bin[GroundEchoes::kRuns];
+  float pending_material[GroundEchoes::kRuns];
+  float pending_from_m[GroundEchoes::kRuns];  ///< ground distances of its ends,
+  float pending_end_m[GroundEchoes::kRuns];
+  float pending_from_h_m[GroundEchoes::kRuns];  ///< and heights above the antenna
+  float pending_end_h_m[GroundEchoes::kRuns];
+  float pending_power[GroundEchoes::kRuns];
+  float pending_height[GroundEchoes::kRuns];
   bool wants_ends;  ///< from_h_m and end_h_m are filled in
   int n;
   std::uint32_t at[kMost];  ///< as in GroundEchoes, and the material from bit kMaterialBit on
@@ -76,9 +76,10 @@ struct GroundStretches {
 
   /// Begins a run.
   void start(std::size_t of) {
-    bin_now[of] = -1;
-    material_now[of] = from_now_m[of] = end_now_m[of] = from_now_h_m[of] = end_now_h_m[of] = 0;
-    light_now[of] = height_now[of] = 0;
+    pending_bin[of] = -1;
+    pending_material[of] = pending_from_m[of] = pending_end_m[of] = pending_from_h_m[of] =
+        pending_end_h_m[of] = 0;
+    pending_power[of] = pending_height[of] = 0;
   }
   std::uint32_t run(int k) const { return at[k] % GroundEchoes::kRuns; }
   std::uint32_t bin(int k) const { return (at[k] & kPlaces) / GroundEchoes::kRuns; }

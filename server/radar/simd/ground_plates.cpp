@@ -83,12 +83,12 @@ OBLIQ_INLINE Starts starts_of(const PlateField& field, const ProfileRates<f64x8>
   return starts;
 }
 
-/// The parts of eight plates while they are walked: the one at hand of each, and those that are complete.
+/// The parts of eight plates while they are walked: the current one of each, and those that are complete.
 struct Parts {
   GroundPlates& rows;
   const RangeAxis& axis;
-  f64x8 bin, end_m;              // the range bin at hand and its far edge
-  f64x8 r, d, sine;              // where the part at hand begins
+  f64x8 bin, end_m;              // the current range bin and its far edge
+  f64x8 r, d, sine;              // where the current part begins
   f64x8 at_r, at_sine, cosines;  // up to where incidence is summed up
   f64x8 material, raster_gamma;
   mask8 crowded;

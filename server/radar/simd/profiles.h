@@ -58,7 +58,7 @@ OBLIQ_KERNEL(bool, visible_ground, const GroundView&, SightProfiles&, VisibleSeg
 template <typename Real>
 struct ProfileState {
   Horizon<Real> horizon;
-  RangeRun<Real> visible;  ///< the connected stretches at hand, of what is seen
+  RangeRun<Real> visible;  ///< the current connected stretches of what is seen
   RangeRun<Real> present;  ///< and of all that is there
   Real last_h_m{};
   Mask<Real> joined{};  ///< the next segment begins where the last one ended

@@ -72,17 +72,17 @@ struct Running {
   Floats<n> bin, distance, light, material, sine;
 
   OBLIQ_INLINE explicit Running(const GroundEchoes& out)
-      : bin(load_as<Floats<n>>(out.bin_now)),
-        distance(load_as<Floats<n>>(out.distance_now_m)),
-        light(load_as<Floats<n>>(out.light_now)),
-        material(load_as<Floats<n>>(out.material_now)),
-        sine(load_as<Floats<n>>(out.sine_now)) {}
+      : bin(load_as<Floats<n>>(out.pending_bin)),
+        distance(load_as<Floats<n>>(out.pending_distance_m)),
+        light(load_as<Floats<n>>(out.pending_power)),
+        material(load_as<Floats<n>>(out.pending_material)),
+        sine(load_as<Floats<n>>(out.pending_sine)) {}
   OBLIQ_INLINE void keep(GroundEchoes& out) const {
-    to_memory(out.bin_now, bin);
-    to_memory(out.distance_now_m, distance);
-    to_memory(out.light_now, light);
-    to_memory(out.material_now, material);
-    to_memory(out.sine_now, sine);
+    to_memory(out.pending_bin, bin);
+    to_memory(out.pending_distance_m, distance);
+    to_memory(out.pending_power, light);
+    to_memory(out.pending_material, material);
+    to_memory(out.pending_sine, sine);
   }
 };
 
@@ -115,24 +115,24 @@ struct Stretch {
 
   OBLIQ_INLINE explicit Stretch(GroundStretches* to)
       : out(*to),
-        bin(load_as<Floats<n>>(out.bin_now)),
-        material(load_as<Floats<n>>(out.material_now)),
-        from(load_as<Floats<n>>(out.from_now_m)),
-        end(load_as<Floats<n>>(out.end_now_m)),
-        from_h(load_as<Floats<n>>(out.from_now_h_m)),
-        end_h(load_as<Floats<n>>(out.end_now_h_m)),
-        light(load_as<Floats<n>>(out.light_now)),
-        height(load_as<Floats<n>>(out.height_now)) {}
+        bin(load_as<Floats<n>>(out.pending_bin)),
+        material(load_as<Floats<n>>(out.pending_material)),
+        from(load_as<Floats<n>>(out.pending_from_m)),
+        end(load_as<Floats<n>>(out.pending_end_m)),
+        from_h(load_as<Floats<n>>(out.pending_from_h_m)),
+        end_h(load_as<Floats<n>>(out.pending_end_h_m)),
+        light(load_as<Floats<n>>(out.pending_power)),
+        height(load_as<Floats<n>>(out.pending_height)) {}
   OBLIQ_INLINE bool is_full() const { return out.n > GroundEchoes::kMost; }
   OBLIQ_INLINE void keep() const {
-    to_memory(out.bin_now, bin);
-    to_memory(out.material_now, material);
-    to_memory(out.from_now_m, from);
-    to_memory(out.end_now_m, end);
-    to_memory(out.from_now_h_m, from_h);
-    to_memory(out.end_now_h_m, end_h);
-    to_memory(out.light_now, light);
-    to_memory(out.height_now, height);
+    to_memory(out.pending_bin, bin);
+    to_memory(out.pending_material, material);
+    to_memory(out.pending_from_m, from);
+    to_memory(out.pending_end_m, end);
+    to_memory(out.pending_from_h_m, from_h);
+    to_memory(out.pending_end_h_m, end_h);
+    to_memory(out.pending_power, light);
+    to_memory(out.pending_height, height);
   }
 
   /// Goes on with a part of the surface, in the lanes that see it.

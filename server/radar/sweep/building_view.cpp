@@ -20,7 +20,7 @@ constexpr int kAPart = 8;
 /// Of a sub-column, as far as there may be so many.
 constexpr double kWidest_m = 1.2;
 
-/// Memory has answered when the one that is asked for so far ahead is looked at.
+/// Prefetch distance in buildings.
 constexpr std::size_t kAskAhead = 16;
 
 /// Buildings with sub-columns stand farther off than twice this (NearBuildings).
@@ -74,8 +74,8 @@ SinCos BuildingView::bearing(double position) const {
   return plan_.sector().world_bearing(plan_.bins().azimuth_edge_rad(position));
 }
 
-/// The buildings of an azimuth bin lie anywhere in memory: asks for the next ones in two steps. Inlined,
-/// since a compiler leaves out calls of what only asks for memory.
+/// Prefetches the next buildings in two steps: header first, then outline. Inlined,
+/// since a compiler leaves out calls of a function that only prefetches.
 [[gnu::always_inline]] inline void BuildingView::ask_for_buildings(std::size_t from) const {
   const Buildings& all = plan_.scene().world().buildings;
   if (from + 2 * kAskAhead < buildings_.size())
@@ -219,7 +219,7 @@ void BuildingView::add_corner(const glm::vec2& corner, std::uint32_t face) {
   corners_.push_back({right, ahead, right / ahead, face});
 }
 
-/// Takes the corners from `first` on for a part, unless nothing of it matters to the bin.
+/// Adds the corners from `first` on as a part, or discards it if it cannot affect the bin.
 void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::size_t first) {
   const auto by_ahead = [](const Corner& p, const Corner& q) { return p.ahead_m < q.ahead_m; };
   const auto begin = corners_.begin() + static_cast<std::ptrdiff_t>(first);
@@ -252,7 +252,7 @@ void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::si
                     static_cast<std::uint32_t>(n), from, to});
 }
 
-/// Cuts off what of a part lies beside the antenna or behind it, and so in none of the bin's directions.
+/// Clips a part to what lies ahead of the antenna: the rest is in none of the bin's directions.
 void BuildingView::clip(std::size_t first) {
   clipped_.assign(corners_.begin() + static_cast<std::ptrdiff_t>(first), corners_.end());
   corners_.resize(first);

@@ -88,7 +88,7 @@ class CornerView {
 
   const ScenePlan& plan_;
   const CornerTable* table_;
-  // Of the foot at hand.
+  // Of the current foot.
   Foot foot_{};
   double down_ = 0, rise_ = 0, across_ = 0;
   double end_m_ = 0;  // of the ground's own light before it

@@ -40,7 +40,7 @@ void SegmentSampler::visible(const VisibleSegment& segment) {
 
 void SegmentSampler::aslant(const VisibleSegment& wall) {
   // The wall is the line n.p = -distance from the antenna: at a bearing off the plane's by `off` it stands at
-  // 1 / d = -n.direction / distance. That is a cosine of the bearing, as good as straight across a strand.
+  // 1 / d = -n.direction / distance. That is a cosine of the bearing, nearly straight across a strand.
   const PlaneShare whole = share_;
   const auto direction = [&](double off_rad) {
     const SinCos turn = sincos_turns(off_rad / (2 * std::numbers::pi));
@@ -55,7 +55,7 @@ void SegmentSampler::aslant(const VisibleSegment& wall) {
   const double over_left = over_d(direction(-whole.width_rad / 2));
   const double over_right = over_d(direction(whole.width_rad / 2));
   // On the wall a range-bin edge is a curve across the strand. Between where it enters at the foot and where
-  // it leaves at the top (or the other way round) it is as good as straight, and the plane in the middle of
+  // it leaves at the top (or the other way round) it is nearly straight, and the plane in the middle of
   // that stretch divides it as a whole.
   const double near_d = 1 / std::max(over_left, over_right);
   const double far_d = 1 / std::min(over_left, over_right);

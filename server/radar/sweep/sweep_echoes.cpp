@@ -105,8 +105,9 @@ void SweepEchoes::start_planes() {
     if (half < together_) start_plane(half);
   }
   for (std::size_t k = 0; k < GroundEchoes::kRuns; ++k) {
-    echoes_.bin_now[k] = -1;
-    echoes_.distance_now_m[k] = echoes_.light_now[k] = echoes_.material_now[k] = echoes_.sine_now[k] = 0;
+    echoes_.pending_bin[k] = -1;
+    echoes_.pending_distance_m[k] = echoes_.pending_power[k] = echoes_.pending_material[k] =
+        echoes_.pending_sine[k] = 0;
     if (stretches_) stretches_->start(k);
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
@@ -179,31 +180,31 @@ void SweepEchoes::take_stretches() {
 /// The same of a stretch.
 void SweepEchoes::end_stretch(std::size_t run) {
   GroundStretches& s = *stretches_;
-  if (s.bin_now[run] < 0) return;
+  if (s.pending_bin[run] < 0) return;
   if (s.n >= GroundStretches::kMost) take_stretches();
   const auto n = static_cast<std::size_t>(s.n++);
-  s.at[n] = static_cast<std::uint32_t>(s.bin_now[run]) * GroundEchoes::kRuns +
+  s.at[n] = static_cast<std::uint32_t>(s.pending_bin[run]) * GroundEchoes::kRuns +
             static_cast<std::uint32_t>(run) +
-            (static_cast<std::uint32_t>(s.material_now[run]) << GroundStretches::kMaterialBit);
-  s.from_m[n] = s.from_now_m[run];
-  s.end_m[n] = s.end_now_m[run];
-  s.from_h_m[n] = s.from_now_h_m[run];
-  s.end_h_m[n] = s.end_now_h_m[run];
-  s.light[n] = s.light_now[run];
-  s.height[n] = s.height_now[run];
+            (static_cast<std::uint32_t>(s.pending_material[run]) << GroundStretches::kMaterialBit);
+  s.from_m[n] = s.pending_from_m[run];
+  s.end_m[n] = s.pending_end_m[run];
+  s.from_h_m[n] = s.pending_from_h_m[run];
+  s.end_h_m[n] = s.pending_end_h_m[run];
+  s.light[n] = s.pending_power[run];
+  s.height[n] = s.pending_height[run];
 }
 
-/// What is on the way in a run ends here.
+/// Flushes the run's pending echo.
 void SweepEchoes::end_run(std::size_t run) {
-  if (echoes_.bin_now[run] < 0) return;
+  if (echoes_.pending_bin[run] < 0) return;
   if (echoes_.n >= GroundEchoes::kMost) cells_.add(echoes_);
   const auto n = static_cast<std::size_t>(echoes_.n++);
-  echoes_.at[n] = static_cast<std::uint32_t>(echoes_.bin_now[run]) * GroundEchoes::kRuns +
+  echoes_.at[n] = static_cast<std::uint32_t>(echoes_.pending_bin[run]) * GroundEchoes::kRuns +
                   static_cast<std::uint32_t>(run);
-  echoes_.distance_m[n] = echoes_.distance_now_m[run];
-  echoes_.light[n] = echoes_.light_now[run];
-  echoes_.sine[n] = echoes_.sine_now[run];
-  echoes_.material[n] = static_cast<std::uint32_t>(echoes_.material_now[run]);
+  echoes_.distance_m[n] = echoes_.pending_distance_m[run];
+  echoes_.light[n] = echoes_.pending_power[run];
+  echoes_.sine[n] = echoes_.pending_sine[run];
+  echoes_.material[n] = static_cast<std::uint32_t>(echoes_.pending_material[run]);
 }
 
 }  // namespace obliq

@@ -1,5 +1,5 @@
 // Lit and shadowed ground against the program gdal_viewshed, which steps through the raster on its own (Wang,
-// Robinson and White 2000) and knows nothing of triangles. It runs on the elevation model as gdalwarp puts it
+// Robinson and White 2000) and has no triangles. It runs on the elevation model as gdalwarp puts it
 // on a local plane, without curvature, and is told the curvature as -cc 1/k; the renderer's side is a ray
 // from the antenna to each post of the world grid, which is lit when nothing is in the way.
 // Whether points are seen, and by what angle, against the reference renderer's own walk (server/truth), which

@@ -82,7 +82,7 @@ TEST(ReferenceOrder, IsTwoInTheStep) {
 // so the edges of shadows and bins move continuously): order 2; each kink's error has its own sign and size,
 // which leaves the fit over five doublings some 0.2 of play. Between corners of buildings it is continuous as
 // well, but a wall that is nearly in line with the sight passes from one range bin to the next within a
-// fraction of the planes' spacing, as good as a jump, and jumps give order 1. A version whose planes straddle
+// fraction of the planes' spacing, in effect a jump, and jumps give order 1. A version whose planes straddle
 // the corners has order 1 there too, and ten times the error.
 TEST(ReferenceOrder, IsTwoInThePlanesOverGroundAndBetweenOneAndTwoWithBuildings) {
   for (const bool built : {false, true}) {

@@ -37,7 +37,7 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// When the frame in hand began and when its last wedge was binned. One frame is rendered at a time.
+/// When the current frame began and when its last wedge was binned. One frame is rendered at a time.
 struct Moments {
   std::atomic<Clock::time_point> begin;
   std::atomic<Clock::time_point> first_binned;
@@ -92,7 +92,7 @@ void check(const client::Status& status) {
   throw std::runtime_error(status.sentence());
 }
 
-/// What the client sees of the frame in hand.
+/// What the client sees of the current frame.
 struct Watcher : client::FrameHandler {
   bool begun = false;
   std::uint32_t first_index = 0;

@@ -1,4 +1,4 @@
-// The page's files, and which requests HTTP refuses because a browser was led here by somebody else.
+// The page's files, and which requests HTTP refuses because another site led a browser here.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #pragma once
-// A server with the stand-in renderer, its Modbus service, and a master that knows nothing but bytes.
+// A server with the stand-in renderer, its Modbus service, and a master that handles bytes alone.
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -10,7 +10,7 @@ if [ ! -d "$target" ]; then
   fresh=$(mktemp -d "$folder/pymodbus.XXXXXX")
   if ! python3 -m pip install --quiet --disable-pip-version-check --no-deps --timeout 10 --retries 1 \
     --target "$fresh" "pymodbus==$version" >"$fresh.log" 2>&1; then
-    echo "pymodbus $version is not to be had: $(tail -1 "$fresh.log")" >&2
+    echo "pymodbus $version cannot be installed: $(tail -1 "$fresh.log")" >&2
     rm -rf "$fresh" "$fresh.log"
     exit 77
   fi

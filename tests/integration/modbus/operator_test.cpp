@@ -51,7 +51,7 @@ TEST_F(ModbusOperator, WithTransmitOffNothingIsRenderedAndWatchersStay) {
   EXPECT_FALSE(master.coil_is(0));
   EXPECT_TRUE(s.info().transmit_off());
   EXPECT_EQ(s.info().subscribers(), 1u);
-  // The frame in hand may still be counted; after the next snapshots no other is.
+  // The current frame may still be counted; after the next snapshots no other is.
   const std::uint16_t beat = master.input(5);
   EXPECT_TRUE(master.reaches(5, static_cast<std::uint16_t>(beat + 2)));
   const std::uint64_t frames = s.server.panel().status(0)->frames;
@@ -102,7 +102,7 @@ TEST_F(ModbusOperator, AControllerAndTheConsoleSwitchTheSameRadar) {
   ASSERT_TRUE(s.client.set_pose("main", pose, ack).ok());
   s.watch();
   EXPECT_EQ(s.next_frame().descriptor->pose().bearing_deg(), 45);
-  // The newest switch counts, whoever made it; and a radar that is released stays as it is.
+  // The newest switch counts, from any client; and a radar that is released stays as it is.
   EXPECT_EQ(master.coil(1, false), 0);
   EXPECT_FALSE(s.info().frozen());
   while (s.next_frame().descriptor->pose().bearing_deg() != 90) {

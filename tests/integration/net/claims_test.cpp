@@ -110,7 +110,7 @@ TEST_F(Claims, EveryPairOfClaimsAndRolesIsAnsweredByTheTable) {
         EXPECT_EQ(claim.ok() ? 0 : claim.number, pair.claim) << claim.sentence();
       }
       Answers expected = pair.then;
-      if (role == "admin") expected.reset = 0;  // whoever holds what
+      if (role == "admin") expected.reset = 0;  // for any holder
       EXPECT_EQ(answers_to(client), expected);
       if (pair.wanted == kNone) continue;
       // Taken over, each by itself.

@@ -119,7 +119,7 @@ TEST_F(Crew, APoseWithMoreThanWhereTheAntennaLooksIsTheFlyersAlone) {
   const Status refused = hand.set_pose("main", pose, ack);
   EXPECT_EQ(refused.number, 102u);
   EXPECT_NE(refused.text.find("pose is held by host"), std::string::npos) << refused.text;
-  EXPECT_EQ(hand.set_pose("main", {}, ack).number, 102u) << "nothing at all is a pose as ever";
+  EXPECT_EQ(hand.set_pose("main", {}, ack).number, 102u) << "an empty pose is a pose as before";
   EXPECT_NE(info_of(hand).pose().tilt_deg(), -5);
 }
 

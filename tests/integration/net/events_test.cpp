@@ -259,7 +259,7 @@ TEST_F(Events, TheLogAppliedAnewGivesTheSameExerciseAndTheSameLog) {
   }
 }
 
-/// Keeps what it hears.
+/// Keeps what it receives.
 struct Follower : client::FrameHandler {
   Status on_events(const wire::ExerciseEvents& more) override {
     heard.insert(heard.end(), more.events().begin(), more.events().end());

@@ -268,7 +268,7 @@ TEST(RequestLimits, OfMemoryAreThreeQuartersOfWhatThereIsUnlessTheOperatorSaysOt
     settings.set_frustum(wire::SWEEP);
     settings.set_azimuth_bins(1);
     settings.set_range_bins(8192);
-    settings.set_sub_columns(0);  // exact planes, all in hand at once
+    settings.set_sub_columns(0);  // exact planes, all at once
     settings.set_pixel_columns(16384);
     expect_over(client, client.render_once(once),
                 "max_memory_mb is " + std::to_string(client.welcome().limits().max_memory_mb()));

@@ -171,7 +171,7 @@ TEST(NetQuery, OnlySoManyOfAClientWaitAndThoseOfOneThatLeftAreDropped) {
   while (status_of(other).clients() > 1) std::this_thread::yield();
   gate.open();
   EXPECT_TRUE(ask(other, places(1)).ok());
-  EXPECT_EQ(answered, 2);  // the one in hand, and the other client's
+  EXPECT_EQ(answered, 2);  // the current one, and the other client's
 }
 
 TEST_F(Served, AServerWithoutGroundSaysSo) {

@@ -141,7 +141,7 @@ TEST(Server, ControlIsReleasedWhenItsHolderLeaves) {
   ASSERT_TRUE(pilot.claim_control("main").ok());
   pilot.close();
   client::Status status;
-  do {  // the server hears of it in its own time
+  do {  // the server notices in its own time
     status = other.claim_control("main");
   } while (status.number == number(ErrorNumber::controlled_by_other));
   EXPECT_TRUE(status.ok()) << status.sentence();

@@ -1,7 +1,7 @@
 // Encodings, windows and backpressure, from request to frame.
 // Two hundred clients on one radar, three in four of them a nuisance: 50 that stall, 50 that read one byte at
 // a time, 50 that vanish without closing, and 50 that behave. The memory for frames stays where it was, and
-// those who behave lose nothing.
+// good clients lose nothing.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -180,7 +180,7 @@ constexpr int kRanges = 128;
 constexpr std::size_t kPlaneBytes = std::size_t{kAzimuths} * kRanges * (8 + 8 + 4 + 1);
 /// Headers, protobuf parts and allocations' slack of a frame of 6 wedges and 4 planes.
 constexpr std::size_t kOverheadBytes = 16 * 1024;
-/// The largest block, which each client may have in hand besides what waits for it.
+/// The largest block, which each client may be sent besides what waits for it.
 constexpr std::size_t kBlockBytes = std::size_t{8} * kRanges * 8 + 1024;
 
 /// A socket that has subscribed and is then read as badly as one likes. Its receive buffer is small, so that
@@ -236,7 +236,7 @@ net::ServerOptions crowded() {
 /// Of this process, server and clients both. 0 where /proc is not there.
 double resident_MB() { return static_cast<double>(memory_of(::getpid()).resident_bytes) * 1e-6; }
 
-/// The nuisances. Those who read byte by byte do so on a thread of their own.
+/// The nuisances. Those that read byte by byte do so on threads of their own.
 struct Nuisances {
   explicit Nuisances(const TestServer& server) {
     for (int i = 0; i < kOfEachKind; ++i) {
@@ -311,7 +311,7 @@ TEST(Crowd, TwoHundredClientsOfWhomFiftyBehave) {
       ++finished;
     });
   }
-  // 3 frames for the radar, and a block in hand for each client.
+  // 3 frames for the radar, and a block that is being sent for each client.
   constexpr std::size_t kMostBytes = 3 * (kPlaneBytes + kOverheadBytes) + (4 * kOfEachKind + 1) * kBlockBytes;
   std::size_t most_bytes = 0;
   std::vector<double> resident;
@@ -342,7 +342,7 @@ TEST(Crowd, WhoTakesNothingIsDroppedInTheEnd) {
   const Nuisances nuisances(server);
   while (status_of(observer).clients() > 1) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(status_of(observer).radars(0).subscribers(), 0u);
-  EXPECT_EQ(status_of(observer).radars(0).live_bytes(), 0u) << "nothing is kept for those who have gone";
+  EXPECT_EQ(status_of(observer).radars(0).live_bytes(), 0u) << "nothing is kept for clients that have gone";
 }
 
 }  // namespace

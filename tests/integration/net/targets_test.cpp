@@ -71,7 +71,7 @@ TEST_F(NetTargets, OfOneRenderStandBesideTheWorldsOwn) {
   ASSERT_EQ(both.targets.size(), 2u);
   EXPECT_NEAR(both.targets[1].range_m, std::hypot(7000, 1000), 1);
   EXPECT_EQ(list_of(host).targets_size(), 2) << "the world is as it was";
-  // The same bits, whoever asks.
+  // The same bits for every client.
   EXPECT_EQ(render(host, own).power_w, both.power_w);
 }
 
@@ -127,7 +127,7 @@ TEST_F(NetTargets, AreToldToNobodyBelowTheTruthRole) {
   live.set_truth(false);
   live.add_planes(wire::TARGET);
   EXPECT_EQ(viewer.render_once(live).number, refused);
-  // The bins show the target to all; the blocks beside them to those alone who asked and may.
+  // The bins show the target to all; the blocks beside them only to clients that asked and may.
   EXPECT_TRUE(render(viewer, frame_request(true, false)).targets.empty());
   watch.set_truth(false);
   watch.add_planes(wire::POWER);

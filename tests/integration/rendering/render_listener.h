@@ -34,10 +34,10 @@ class Listener : public net::RenderEvents {
     faults.push_back(errors.front().field);
     changed_.notify_all();
   }
-  void on_once_block(const net::OnceRequestPtr&, const net::BlockPtr&) override {}
-  void on_once_rendered(const net::RenderedOnce&) override {}
+  void on_request_block(const net::FrameRequestPtr&, const net::BlockPtr&) override {}
+  void on_request_rendered(const net::RenderedRequest&) override {}
   void on_appraised(const net::AppraisalPtr&, const std::vector<FieldError>&) override {}
-  void on_once_fault(const net::OnceRequestPtr&, const std::vector<FieldError>&) override {}
+  void on_request_fault(const net::FrameRequestPtr&, const std::vector<FieldError>&) override {}
 
   template <typename Condition>
   ::testing::AssertionResult wait(Condition condition) {

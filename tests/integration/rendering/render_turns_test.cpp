@@ -40,16 +40,16 @@ class TurnCounter : public net::RenderEvents {
                      const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
-  void on_once_block(const net::OnceRequestPtr&, const net::BlockPtr& block) override {
+  void on_request_block(const net::FrameRequestPtr&, const net::BlockPtr& block) override {
     const std::lock_guard lock(mutex_);
     begun_ = true;
     wedge_ = wedge_ || block->type == wire::MessageType::wedge_block;
     ended_ = block->type == wire::MessageType::frame_end;
     changed_.notify_all();
   }
-  void on_once_rendered(const net::RenderedOnce&) override {}
+  void on_request_rendered(const net::RenderedRequest&) override {}
   void on_appraised(const net::AppraisalPtr&, const std::vector<FieldError>&) override {}
-  void on_once_fault(const net::OnceRequestPtr&, const std::vector<FieldError>& errors) override {
+  void on_request_fault(const net::FrameRequestPtr&, const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
 
@@ -139,7 +139,7 @@ class Turns : public ::testing::Test {
     net::RenderThread thread(renderer_, events_, options_);
     thread.add_radar("main", 1, view(live, true));
     thread.set_demand(0, {demand(1)});
-    const auto job = std::make_shared<net::OnceRequest>();
+    const auto job = std::make_shared<net::FrameRequest>();
     job->stream_id = 2;
     job->view = view(settings, false);
     job->choice = demand(1).choice;

@@ -42,7 +42,7 @@ class SessionRecord {
   void compare(const std::string& file, const std::string& until = "") const;
 
   const std::string& last_line() const { return lines_.back(); }
-  /// Of a stream, whoever watches it.
+  /// Of a stream, for any watcher.
   std::uint64_t frames_ended(std::uint32_t stream_id) const;
   bool was_sent(wire::MessageType type) const { return sent_.contains(type); }
   bool was_received(wire::MessageType type) const { return received_.contains(type); }

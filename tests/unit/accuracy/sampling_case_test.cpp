@@ -160,7 +160,7 @@ TEST(TruthSearch, RaisesThePlanesUntilATenthOfTheErrorIsHeld) {
   EXPECT_EQ(rough.sampling.planes_per_bin, 1);
   const double own = rough.checks[0].own;
   ASSERT_GT(own, 0);
-  // A tenth of what one plane's own error is takes more planes; a millionth is not to be had with 8.
+  // A tenth of what one plane's own error is takes more planes; 8 planes do not reach a millionth.
   const TruthQuality better = search_truth(*planned.plan, probe, {1, 20, 0}, 1024, shown(own), {});
   EXPECT_TRUE(better.holds);
   EXPECT_GT(better.sampling.planes_per_bin, 1);

@@ -141,7 +141,7 @@ std::size_t built_in_the_end(Yard& yard) {
   return yard.wait_built(0).size();
 }
 
-/// Two jumps, a second apart; then nothing more is heard.
+/// Two jumps, a second apart; then nothing more arrives.
 void expect_one_window_a_jump(const SceneConfig& config, double jump_km) {
   const LonLat start = config.world.origin;
   Yard yard;
@@ -298,7 +298,7 @@ TEST(SceneKeeper, TheNextSceneIsBegunWhenTheOneBeforeTheLastHasGone) {
   Answer first, second, third;
   keeper.reload(flat_config(), first.done());
   ASSERT_EQ(first.wait(), "");
-  std::shared_ptr<const Scene> frame = yard.serving();  // a frame in hand holds its scene
+  std::shared_ptr<const Scene> frame = yard.serving();  // the current frame holds its scene
   const std::weak_ptr<const Scene> watched = frame;
   keeper.reload(flat_config(), second.done());
   ASSERT_EQ(second.wait(), "");

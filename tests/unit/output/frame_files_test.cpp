@@ -84,7 +84,7 @@ TEST_F(FrameFilesTest, FrameJsonNamesEveryParameterAndTheBinEdges) {
   EXPECT_TRUE(json["frame"]["radius_factor"].is_null()) << "JSON has no infinity, and a text is no number";
   EXPECT_EQ(json["planes"], nlohmann::json({"iq", "power", "count", "state"}));
   EXPECT_NE(json["notes"]["range_edges_m"].get<std::string>().find("slant"), std::string::npos);
-  // The edges come last, many a line: what one reads first is not buried.
+  // The edges come last, many per line, so that the rest is easy to read.
   const std::string text = slurp(folder_ / "frame.json");
   EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 235)
       << "one a line they alone were 80 and 2 x 1025 of a large frame";

@@ -41,7 +41,7 @@ wire::FrameDescriptor flat_descriptor() {
 }
 
 GroundMap north_or_bearing_up(const wire::FrameDescriptor& d, double up_rad) {
-  GroundMapWish wish;
+  GroundMapRequest wish;
   wish.up_rad = up_rad;
   wish.least_pixel_m = d.range_spacing_m();
   return map_to_ground(MapProjection(d), d.settings().azimuth_bins(), d.settings().range_bins(), wish);
@@ -164,7 +164,7 @@ TEST(GroundMap, APeakIsWhereItStandsWhenTheGroundIsGivenAndNearerToTheAntennaWhe
       std::sqrt(east_m * east_m + north_m * north_m + (4000 - height_m) * (4000 - height_m));
   const auto azimuth = static_cast<std::uint32_t>(std::atan2(east_m, north_m) / kDegree_rad - 60);
   const auto range = static_cast<std::uint32_t>((slant_m - 1000) / 100);
-  GroundMapWish wish;
+  GroundMapRequest wish;
   wish.least_pixel_m = 25;
   const auto distance_m = [&](const HeightGrid* heights) {
     wish.ground = heights;

@@ -32,7 +32,7 @@ struct Radar {
   double spent_s = 0;
   double worst_latency_s = 0;  // date to end
   int interrupted = 0;
-  double left_s = 0;  // of the frame in hand
+  double left_s = 0;  // of the current frame
   Time date;
   FrameDates dates;
 
@@ -113,10 +113,10 @@ TEST(FairShare, UnderOverloadEqualRadarsHaveEqualSharesAndEveryFrameIsRenderedOr
 TEST(FairShare, AFrameThatTakesLittleLongerThanTheLastOneIsNotInterruptedForItsEqualJustBeforeItsEnd) {
   FairShare turns;
   const std::size_t one = turns.add(), other = turns.add();
-  for (const std::size_t party : {one, other}) {
-    turns.set_wanting(party, true);
-    turns.charge(party, 0.1);
-    turns.done(party);
+  for (const std::size_t flow : {one, other}) {
+    turns.set_wanting(flow, true);
+    turns.charge(flow, 0.1);
+    turns.done(flow);
   }
   ASSERT_EQ(turns.first(), one);
   turns.charge(one, 0.13);

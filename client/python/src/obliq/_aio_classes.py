@@ -28,7 +28,7 @@ from .targets import Target, TargetLike, World
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 5.0
 # A loss, or why an attempt to connect again failed for now; other refusals are for good.
-PASSING = (ConnectionLost, ServerStopping, CannotConnect, ServerFull, TimedOut)
+RETRIABLE_ERRORS = (ConnectionLost, ServerStopping, CannotConnect, ServerFull, TimedOut)
 
 T = TypeVar("T")
 Encoding = Literal["cf32", "cf32_le", "ci16", "ci16_le"]
@@ -194,19 +194,19 @@ class Server:
         return await self._run(self._session.finish_render(rendering, timeout))
 
     @overload
-    def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
+    def render_many(self, poses: Iterable[requests.PoseRequest], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
                     timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: Literal[False] = False,
                     seed: int | None = None, targets: Iterable[TargetLike] | None = None, live_targets: bool = False,
                     truth: bool = False) -> AsyncIterator[Frame]: ...
     @overload
-    def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *, planes: Planes = None,
+    def render_many(self, poses: Iterable[requests.PoseRequest], settings: requests.SettingsLike = None, *, planes: Planes = None,
                     encoding: Encoding = "cf32", compress: Compression | None = None, window: Window | None = None,
                     timeout: float = 60.0, radar: str = "python", as_live: bool = False, return_exceptions: bool,
                     seed: int | None = None, targets: Iterable[TargetLike] | None = None, live_targets: bool = False,
                     truth: bool = False) -> AsyncIterator[Frame | Exception]: ...
 
-    async def render_many(self, poses: Iterable[requests.Wished], settings: requests.SettingsLike = None, *,
+    async def render_many(self, poses: Iterable[requests.PoseRequest], settings: requests.SettingsLike = None, *,
                           planes: Planes = None, encoding: Encoding = "cf32", compress: Compression | None = None,
                           window: Window | None = None, timeout: float = 60.0, radar: str = "python",
                           as_live: bool = False, return_exceptions: bool = False, seed: int | None = None,
@@ -218,23 +218,23 @@ class Server:
         from which each frame has noise and independent speckle of its own, by its place (noise_frame, whatever the settings
         say); None: all have those that their settings name."""
         in_flight = max(1, self.info.limits.max_renders_queued)
-        waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]] = collections.deque()
-        wanted = requests.wishes(poses, settings, seed, (planes, encoding, compress, window, radar, as_live),
+        waiting: collections.deque[tuple[requests.FrameRequest, Rendering | Exception]] = collections.deque()
+        wanted = requests.frame_requests(poses, settings, seed, (planes, encoding, compress, window, radar, as_live),
                                  World.of(targets, live_targets, truth))
         more = True
         try:
             while more or waiting:
                 while more and len(waiting) < in_flight:
-                    wish = next(wanted, None)
-                    if wish is None:
+                    frame_request = next(wanted, None)
+                    if frame_request is None:
                         more = False
                         break
                     try:
-                        waiting.append((wish, self._begin(wish)))
+                        waiting.append((frame_request, self._begin(frame_request)))
                     except (TypeError, ValueError) as error:
                         if not return_exceptions:
                             raise
-                        waiting.append((wish, error))
+                        waiting.append((frame_request, error))
                 if waiting:
                     yield await self._finish(return_exceptions, waiting, timeout)
         finally:
@@ -242,13 +242,13 @@ class Server:
                 if not isinstance(rendering, Exception):
                     self._session.forget_render(rendering)
 
-    def _begin(self, wish: requests.Wish) -> Rendering:
-        request, names = requests.render_request(*wish)
+    def _begin(self, frame_request: requests.FrameRequest) -> Rendering:
+        request, names = requests.render_request(*frame_request)
         return self._connection.start(lambda: self._session.begin_render(request, names))
 
-    async def _finish(self, keep_errors: bool, waiting: collections.deque[tuple[requests.Wish, Rendering | Exception]],
+    async def _finish(self, keep_errors: bool, waiting: collections.deque[tuple[requests.FrameRequest, Rendering | Exception]],
                       timeout: float) -> Frame | Exception:
-        wish, rendering = waiting.popleft()
+        frame_request, rendering = waiting.popleft()
         try:
             if isinstance(rendering, Exception):
                 raise rendering
@@ -261,7 +261,7 @@ class Server:
             for _, other in waiting:
                 if not isinstance(other, Exception):
                     await self._run(self._session.settle_render(other, timeout))
-            return await self._run(self._session.finish_render(self._begin(wish), timeout))
+            return await self._run(self._session.finish_render(self._begin(frame_request), timeout))
         except (ConnectionLost, ServerStopping):
             raise
         except (ObliqError, TypeError, ValueError) as error:
@@ -291,7 +291,7 @@ class Server:
                 for subscription in held.values():
                     subscription.lose()
                     await fresh.run(fresh.session.begin_stream(subscription))
-            except PASSING:
+            except RETRIABLE_ERRORS:
                 if fresh is not None:
                     fresh.close("the connection was closed")
                 continue

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TypeVar, cast
 
 from ._connection import untrusted
-from ._requests import Door
+from ._requests import ConnectOptions
 from ._session import Command, Request, Session, Wait
 from ._wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
@@ -128,24 +128,24 @@ class Connection(asyncio.BufferedProtocol):
         self.stir()
 
 
-async def open_connection(door: Door) -> Connection:
+async def open_connection(options: ConnectOptions) -> Connection:
     """Connects, and is let in."""
-    address, tls = f"{door.host}:{door.port}", door.tls
+    address, tls = f"{options.host}:{options.port}", options.tls
     protocol = Connection(address)
     try:
         await asyncio.wait_for(asyncio.get_running_loop().create_connection(
-            lambda: protocol, door.host, door.port, ssl=None if tls is None else tls.context(),
-            server_hostname=None if tls is None else door.host), door.timeout_s)
+            lambda: protocol, options.host, options.port, ssl=None if tls is None else tls.context(),
+            server_hostname=None if tls is None else options.host), options.timeout_s)
     except ssl.SSLError as error:
         raise untrusted(address, error) from error
     except asyncio.TimeoutError as error:
-        raise CannotConnect(f"{address}: nothing answered within {door.timeout_s:g} s") from error
+        raise CannotConnect(f"{address}: nothing answered within {options.timeout_s:g} s") from error
     except OSError as error:
         if tls is not None and isinstance(error, ConnectionError) and not isinstance(error, ConnectionRefusedError):
             raise Untrusted(f"{address}: the connection was closed during the TLS handshake: is it obliqd?") from error
         raise CannotConnect(f"{address}: {error}. Is obliqd running there?") from error
     try:
-        await protocol.run(protocol.session.hello(door.name, door.token, door.timeout_s))
+        await protocol.run(protocol.session.hello(options.name, options.token, options.timeout_s))
     except BaseException:
         protocol.close("the connection was closed")
         raise

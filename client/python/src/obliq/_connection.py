@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import TypeVar
 
-from ._requests import Door, Tls
+from ._requests import ConnectOptions, Tls
 from ._session import Command, Request, Session, Wait
 from ._wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
@@ -56,18 +56,18 @@ def open_socket(host: str, port: int, tls: Tls | None, timeout_s: float) -> sock
 class Connection:
     """A session and its socket. One thread at a time, one process."""
 
-    def __init__(self, door: Door):
+    def __init__(self, options: ConnectOptions):
         self._pid = os.getpid()
         self._lock = threading.Lock()
         self.session = Session()
         self._splitter = Splitter()
-        self.address = f"[{door.host}]:{door.port}" if ":" in door.host else f"{door.host}:{door.port}"
-        self._socket = open_socket(door.host, door.port, door.tls, door.timeout_s)
+        self.address = f"[{options.host}]:{options.port}" if ":" in options.host else f"{options.host}:{options.port}"
+        self._socket = open_socket(options.host, options.port, options.tls, options.timeout_s)
         try:
-            self.run(self.session.hello(door.name, door.token, door.timeout_s))
+            self.run(self.session.hello(options.name, options.token, options.timeout_s))
         except TimedOut:
             self.close()
-            raise TimedOut(f"{self.address}: something accepts connections there, but has sent nothing for {door.timeout_s} s: "
+            raise TimedOut(f"{self.address}: something accepts connections there, but has sent nothing for {options.timeout_s} s: "
                            "it is not obliqd, or too busy to answer") from None
         except BaseException:
             self.close()

@@ -23,11 +23,11 @@ CLAIMS: dict[str, wire.ClaimKind] = {"pose": wire.POSE_CLAIM, "settings": wire.S
 PoseLike = Union[Pose, PoseFields, Mapping[str, Any], None]
 SettingsLike = Union[Settings, SettingsFields, Mapping[str, Any], None]
 # A pose, or with settings, or with these and targets.
-Wished = Union[PoseLike, tuple[PoseLike, SettingsLike], tuple[PoseLike, SettingsLike, Iterable[TargetLike]]]
+PoseRequest = Union[PoseLike, tuple[PoseLike, SettingsLike], tuple[PoseLike, SettingsLike, Iterable[TargetLike]]]
 # planes, encoding, compress, window, radar, as_live
 Choice = tuple[Planes, str, Union[str, None], Union[Window, None], str, bool]
-Wish = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, bool, Union[dict[str, int], None],
-             World]
+FrameRequest = tuple[SettingsLike, PoseLike, Planes, str, Union[str, None], Union[Window, None], str, bool,
+                     Union[dict[str, int], None], World]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -119,7 +119,7 @@ class Accepted:
 
 
 @dataclasses.dataclass(frozen=True)
-class Door:
+class ConnectOptions:
     """Where to connect and as whom, checked before anything is sent."""
 
     host: str
@@ -131,7 +131,7 @@ class Door:
 
     @staticmethod
     def of(address: str | int, token: str | None, token_file: str | os.PathLike[str] | None, tls: Tls | bool | None, name: str,
-           timeout: float) -> Door:
+           timeout: float) -> ConnectOptions:
         """From what connect() is given."""
         host, port = parse_address(address)
         if tls is True:
@@ -145,7 +145,7 @@ class Door:
                 raise TypeError(f"{what}: found {type(text).__name__}; allowed: a text")
         if not number("timeout", timeout) > 0:
             raise ValueError(f"timeout: found {timeout!r}; allowed: seconds above 0")
-        return Door(host, port, tls, name, read_token(token, token_file), timeout)
+        return ConnectOptions(host, port, tls, name, read_token(token, token_file), timeout)
 
 
 def parse_address(address: str | int) -> tuple[str, int]:
@@ -194,8 +194,8 @@ def radar_name(radars: Sequence[str], name: str | None, what: str = "radar") -> 
     return name
 
 
-def wishes(poses: Iterable[Wished], settings: SettingsLike, seed: int | None, choice: Choice,
-           world: World = NO_TARGETS) -> Iterator[Wish]:
+def frame_requests(poses: Iterable[PoseRequest], settings: SettingsLike, seed: int | None, choice: Choice,
+           world: World = NO_TARGETS) -> Iterator[FrameRequest]:
     """Arguments of render_request() for each pose, or pose with settings and targets of its own."""
     if seed is not None:
         seed = _seeds.checked(seed)

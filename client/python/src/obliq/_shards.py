@@ -3,7 +3,7 @@
 A data set is a folder: manifest.json (what it was made of), part-00000, part-00001, ... A part has an array for each
 plane, NAME.npy [frame, azimuth, range], frames.jsonl with a line for each frame, failed.jsonl for poses that the server
 refused, log.jsonl with what differs from run to run, and SHA256SUMS of all but that. A part is written beside its place and
-renamed: that the name exists means that it is whole. Poses that failed and are good later come into parts of their own,
+renamed: a file with its final name is complete. Poses that failed and are good later come into parts of their own,
 part-00000-1, -2, ..., each with those that still fail.
 """
 from __future__ import annotations

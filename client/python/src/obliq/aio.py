@@ -17,7 +17,7 @@ from ._aio_classes import Radar, Server
 from ._aio_connection import open_connection
 from ._aio_control import Control, Targets
 from ._aio_streams import Replay, Stream
-from ._requests import Door, Tls
+from ._requests import ConnectOptions, Tls
 
 __all__ = ["Control", "Radar", "Replay", "Server", "Stream", "Targets", "connect"]
 
@@ -28,8 +28,8 @@ class connect:
     def __init__(self, address: str | int = "127.0.0.1:7420", *, token: str | None = None,
                  token_file: str | os.PathLike[str] | None = None, tls: Tls | bool | None = None, name: str = "python",
                  timeout: float = 5.0):
-        door = Door.of(address, token, token_file, tls, name, timeout)
-        self._server = Server(lambda: open_connection(door))
+        options = ConnectOptions.of(address, token, token_file, tls, name, timeout)
+        self._server = Server(lambda: open_connection(options))
 
     def __await__(self) -> Generator[Any, None, Server]:
         return self._server._start().__await__()

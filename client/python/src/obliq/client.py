@@ -5,7 +5,7 @@ import os
 
 from ._classes import Radar, Server
 from ._connection import Connection
-from ._requests import Door, Tls
+from ._requests import ConnectOptions, Tls
 from ._control import Control, Targets
 from ._streams import Replay, Stream
 
@@ -17,5 +17,5 @@ def connect(address: str | int = "127.0.0.1:7420", *, token: str | None = None,
             timeout: float = 5.0) -> Server:
     """A connection to obliqd: HOST:PORT, HOST, :PORT, PORT or [IPv6]:PORT. `timeout` in seconds for connecting and for
     the first answer. name: shown to others while this client holds control."""
-    door = Door.of(address, token, token_file, tls, name, timeout)
-    return Server(lambda: Connection(door))._start()
+    options = ConnectOptions.of(address, token, token_file, tls, name, timeout)
+    return Server(lambda: Connection(options))._start()

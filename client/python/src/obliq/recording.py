@@ -164,7 +164,7 @@ class Recording:
         for item in self._messages():
             if isinstance(item, Loss):
                 self.losses.append(item)
-                if item.kind == "damage":  # a block of the frame in hand may be among what was skipped
+                if item.kind == "damage":  # a block of the current frame may be among what was skipped
                     hand.lose("the frame begun there is incomplete")
                 continue
             try:
@@ -191,7 +191,7 @@ class _Hand:
         self.began_at = 0
 
     def lose(self, text: str | None) -> None:
-        """The frame in hand will not be whole."""
+        """Message for an incomplete frame."""
         if self.assembler is not None and text:
             self._recording.losses.append(Loss("frame", self.began_at, text))
         self.assembler = None

@@ -102,7 +102,7 @@ void PixelPlates::spread_eight(const RayBatch& rays, const HitBatch& hits, int f
   }
 }
 
-/// One of the eight rays at hand.
+/// One of the eight current rays.
 void PixelPlates::walk(const RayBatch& rays, const HitBatch& hits, std::size_t k,
                        std::vector<Sample>& waiting) {
   ask(kAPlate);

@@ -37,7 +37,7 @@ class PixelPlates {
   WedgeVisibility& profile_;
   std::vector<BuildingsByBearing> buildings_;  // [range.count]
   PlateField field_;
-  GroundPlates plates_;  // of the eight rays at hand
+  GroundPlates plates_;  // of the eight current rays
   LocalSurface surface_;
   std::vector<RoofSpan> roofs_;
   std::vector<SurfaceSegment> visible_;

@@ -10,7 +10,7 @@ if [ ! -d "$target" ]; then
   fresh=$(mktemp -d "$folder/itur.XXXXXX")
   if ! python3 -m pip install --quiet --disable-pip-version-check --timeout 10 --retries 1 \
     --target "$fresh" "itur==$version" >"$fresh.log" 2>&1; then
-    echo "itur $version is not to be had: $(tail -1 "$fresh.log")" >&2
+    echo "itur $version cannot be installed: $(tail -1 "$fresh.log")" >&2
     rm -rf "$fresh" "$fresh.log"
     exit 77
   fi

@@ -1,4 +1,4 @@
-// The grid against the program gdallocationinfo, which knows nothing of our frames, lattice or reader.
+// The grid against the program gdallocationinfo, which shares no frames, lattice or reader with us.
 #include <gtest/gtest.h>
 
 #include <GeographicLib/Geocentric.hpp>

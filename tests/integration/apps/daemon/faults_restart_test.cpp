@@ -60,7 +60,7 @@ client::ResumingClient connect(const std::string& address, client::ResumeOptions
 }
 
 // Fails when the flight ends with the server, when the pose is not claimed again, and when the sector's
-// centre is not said again to a server that knows nothing of before.
+// centre is not sent again to the new server.
 TEST_F(Restart, AFlightGoesOnWhenTheServerIsBack) {
   const std::string track = folder.write("track.csv", "0,33,-99.5,1500,40\n3600,33.1,-99.5,1500,40\n");
   Running flight({"fly", track, "--server", daemon->address()}, folder / "fly.log");
@@ -83,7 +83,7 @@ TEST_F(Restart, AFlightGoesOnWhenTheServerIsBack) {
   EXPECT_NE(flight.log().find("connected again"), std::string::npos) << flight.log();
 }
 
-// Fails when the frame in hand is kept (a frame begins before the one before it ended), when the
+// Fails when the current frame is kept (a frame begins before the one before it ended), when the
 // subscription or the claim is not repeated, and when the port may not be bound at once.
 TEST_F(Restart, AClientResumesItsFramesAndItsControl) {
   int lost = 0;
@@ -299,7 +299,7 @@ void next_frame(client::Client& client, FrameAssembler& frames, const Daemon& da
 }
 
 // Fails without TCP_USER_TIMEOUT: frames that wait unacknowledged keep the watcher for a quarter of an hour.
-// And without heartbeats and keepalive: a guest who asks for nothing stays for ever.
+// And without heartbeats and keepalive: a guest that asks for nothing stays for ever.
 TEST_F(HalfOpen, PeersThatVanishWithoutAWordAreGoneAndOthersLoseNothing) {
   client::Client watching;
   ASSERT_TRUE(watching.connect(endpoint("127.0.0.1")).ok());
@@ -321,7 +321,7 @@ TEST_F(HalfOpen, PeersThatVanishWithoutAWordAreGoneAndOthersLoseNothing) {
     };
     while (are_here() < 3) next_frame(watching, frames, *daemon);
     swallow("127.0.0.2", true);
-  }  // closed, and nobody hears of it
+  }  // closed, unnoticed
   const auto since = std::chrono::steady_clock::now();
   const auto gone = [&] {
     int lines = 0;

@@ -1,5 +1,5 @@
 // Faults of the machine under a running obliqd: elevation files that change, no memory, no descriptors, a
-// process that stands still. Whoever watches loses nothing.
+// process that stands still. Watchers lose nothing.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>

@@ -159,7 +159,7 @@ TEST_F(DaemonHttpTest, PrometheusOwnParserReadsTheMetrics) {
       run_program("/usr/bin/env",
                   {"python3", "-m", "pip", "install", "--quiet", "--target", modules, "prometheus_client"},
                   folder.path());
-  if (install.code != 0) GTEST_SKIP() << "no prometheus_client to be had here: " << install.err;
+  if (install.code != 0) GTEST_SKIP() << "prometheus_client cannot be installed: " << install.err;
   const char* program = R"(
 import sys
 sys.path.insert(0, sys.argv[1])

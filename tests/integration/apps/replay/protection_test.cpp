@@ -83,7 +83,7 @@ TEST_F(ReplayProtection, EachRoleWatchesAndAControllerOrAdminSteers) {
       expect_number(paused, ErrorNumber::role_too_low);
       EXPECT_FALSE(client.replay_state()->paused());
     }
-    // Nobody changes what was recorded; a viewer hears first that it may not.
+    // Nobody changes what was recorded; a viewer is told first that it may not.
     expect_number(client.claim_control("main"),
                   steers ? ErrorNumber::replay_only : ErrorNumber::role_too_low);
   }

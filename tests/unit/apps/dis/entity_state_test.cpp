@@ -98,7 +98,7 @@ TEST(EntityStatePdu, WhatIsNoneIsToldWhy) {
 }
 
 TEST(EntityStatePdu, NumbersThatAreNoneAreRefused) {
-  const std::string no_place = "location: found a point that is no place near the earth";
+  const std::string no_place = "location: found a point that is not near the earth";
   const std::string no_number =
       "velocity, acceleration, turn or orientation: found no number, or one that is too large";
   EXPECT_EQ(why_not(with(48, "000000000000000000000000000000000000000000000000")), no_place);

@@ -69,7 +69,7 @@ std::int64_t in_use() {
   return static_cast<std::int64_t>(info.uordblks + info.hblkhd);
 }
 
-/// Freed memory that malloc counts as in use: small pieces that it keeps for the next who wants one (tcache).
+/// Freed memory that malloc counts as in use: small pieces that it keeps for the next request (tcache).
 constexpr std::int64_t kKept_bytes = 4096;
 
 class PlanSize : public testing::Test {

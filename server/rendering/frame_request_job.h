@@ -12,13 +12,13 @@ namespace obliq::net {
 /// Renders the frames of all RenderOnce requests. Clients take turns, slice by slice; a client's frames come
 /// one after the other, in the order of its requests. The next slice of a frame waits until its client has
 /// taken enough of it, without a thread.
-class OnceJob : public Job {
+class FrameRequestJob : public Job {
  public:
-  explicit OnceJob(const RenderContext& context);
-  ~OnceJob() override;
+  explicit FrameRequestJob(const RenderContext& context);
+  ~FrameRequestJob() override;
 
   // From any thread:
-  void enqueue(OnceRequestPtr request);
+  void enqueue(FrameRequestPtr request);
   void stop();
 
   /// True: no request is left that could be rendered.

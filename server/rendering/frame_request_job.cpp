@@ -1,4 +1,4 @@
-#include "server/rendering/once_job.h"
+#include "server/rendering/frame_request_job.h"
 
 #include <algorithm>
 #include <exception>
@@ -22,7 +22,7 @@ constexpr int kParkedThreads = 128;
 constexpr int kLeastParked = 4;
 
 /// The part of the frame that was asked for; checked when the request was made.
-wire::Window window_of(const OnceRequest& request) {
+wire::Window window_of(const FrameRequest& request) {
   const RadarSettings& settings = request.view.settings->settings;
   return wire::cut_window(request.choice.format.window, settings.azimuth_bins, settings.range_bins)
       .value_or(wire::Window{});
@@ -30,72 +30,72 @@ wire::Window window_of(const OnceRequest& request) {
 
 }  // namespace
 
-struct OnceJob::Frame {
-  explicit Frame(OnceRequestPtr of) : request(std::move(of)) {}
+struct FrameRequestJob::Frame {
+  explicit Frame(FrameRequestPtr of) : request(std::move(of)) {}
 
   /// Counts the block as waiting before it can be taken.
   void send(RenderEvents& events, const BlockPtr& block) const {
     *request->queued += block->memory();
-    events.on_once_block(request, block);
+    events.on_request_block(request, block);
   }
 
-  const OnceRequestPtr request;
+  const FrameRequestPtr request;
   std::unique_ptr<PlannedFrame> plan;  ///< null: it has not begun
   std::optional<FrameEncoder> encoder;
   std::uint64_t sequence = 0;
   std::optional<FrameSum> stats;
   std::optional<Receiver> receiver;
-  int next_azimuth = 0;              ///< of the slice in hand
+  int next_azimuth = 0;              ///< of the current slice
   int end_azimuth = 0;               ///< of the window
   double render_s = 0;               ///< in the turns before this one
-  bool goes_on = false;              ///< after the work in hand
-  std::unique_ptr<ParkedWork> work;  ///< the plan or a slice in hand; the last to be made, the first to go
+  bool goes_on = false;              ///< after the current work
+  std::unique_ptr<ParkedWork> work;  ///< the plan or the current slice; made last, destroyed first
 };
 
-OnceJob::OnceJob(const RenderContext& context) : context_(context) {}
+FrameRequestJob::FrameRequestJob(const RenderContext& context) : context_(context) {}
 
-OnceJob::~OnceJob() = default;
+FrameRequestJob::~FrameRequestJob() = default;
 
-void OnceJob::enqueue(OnceRequestPtr request) {
+void FrameRequestJob::enqueue(FrameRequestPtr request) {
   auto frame = std::make_shared<Frame>(std::move(request));
   const std::lock_guard lock(mutex_);
   queue_.push_back(std::move(frame));
 }
 
-void OnceJob::stop() {
+void FrameRequestJob::stop() {
   const std::lock_guard lock(mutex_);
   for (const auto& frame : queue_) frame->request->stop.request_stop();
 }
 
-bool OnceJob::is_empty() const {
+bool FrameRequestJob::is_empty() const {
   const std::lock_guard lock(mutex_);
   return queue_.empty();
 }
 
-void OnceJob::give_up() {
+void FrameRequestJob::give_up() {
   std::deque<FramePtr> all;
   const std::lock_guard lock(mutex_);
   all.swap(queue_);
 }
 
-/// Frames that have work in hand. With the mutex held.
-int OnceJob::parked() const {
+/// Frames that are being worked on. With the mutex held.
+int FrameRequestJob::parked() const {
   return static_cast<int>(
       std::ranges::count_if(queue_, [](const auto& frame) { return frame->work != nullptr; }));
 }
 
-/// A slice in hand may end; another begins where its client has room, and the machine.
-bool OnceJob::is_ready(const Frame& frame, int parked) const {
+/// The current slice may end; another begins where its client has room, and the machine.
+bool FrameRequestJob::is_ready(const Frame& frame, int parked) const {
   const RenderThreadOptions& options = context_.options;
   const int most = std::max(kLeastParked, kParkedThreads / thread_count(options.threads));
   return frame.work || (parked < most && frame.request->queued->load() < options.slice_bytes);
 }
 
-bool OnceJob::has_ended(const Frame& frame) const {
+bool FrameRequestJob::has_ended(const Frame& frame) const {
   return frame.request->stop.stop_requested() || (context_.finishing && !frame.plan && !frame.work);
 }
 
-Job::Time OnceJob::date(Time now) {
+Job::Time FrameRequestJob::date(Time now) {
   std::vector<FramePtr> ended;  // their threads end without the lock
   const std::lock_guard lock(mutex_);
   for (const auto& frame : queue_)
@@ -108,13 +108,13 @@ Job::Time OnceJob::date(Time now) {
 }
 
 /// By client, its oldest request. With the mutex held.
-std::map<std::uint64_t, OnceJob::FramePtr> OnceJob::first_of_clients() const {
+std::map<std::uint64_t, FrameRequestJob::FramePtr> FrameRequestJob::first_of_clients() const {
   std::map<std::uint64_t, FramePtr> first;
   for (const auto& frame : queue_) first.emplace(frame->request->client_id, frame);
   return first;
 }
 
-OnceJob::FramePtr OnceJob::next_ready() {
+FrameRequestJob::FramePtr FrameRequestJob::next_ready() {
   const std::lock_guard lock(mutex_);
   const auto first = first_of_clients();
   const int now_parked = parked();
@@ -129,7 +129,7 @@ OnceJob::FramePtr OnceJob::next_ready() {
   return nullptr;
 }
 
-bool OnceJob::work() {
+bool FrameRequestJob::work() {
   const FramePtr frame = next_ready();
   if (!frame || work_on(*frame)) return true;
   const std::lock_guard lock(mutex_);
@@ -137,7 +137,7 @@ bool OnceJob::work() {
   return true;
 }
 
-bool OnceJob::work_on(Frame& frame) const {
+bool FrameRequestJob::work_on(Frame& frame) const {
   const RenderThreadOptions& options = context_.options;
   try {
     if (!frame.work) {
@@ -153,19 +153,19 @@ bool OnceJob::work_on(Frame& frame) const {
     if (frame.encoder) {
       frame.send(context_.events, frame.encoder->abort(failure_text(e)));
     } else {
-      context_.events.on_once_fault(frame.request, memory_failure(e));
+      context_.events.on_request_fault(frame.request, memory_failure(e));
     }
   }
   frame.work = nullptr;
   return frame.goes_on;
 }
 
-bool OnceJob::begin(Frame& frame) const {
-  const OnceRequest& request = *frame.request;
+bool FrameRequestJob::begin(Frame& frame) const {
+  const FrameRequest& request = *frame.request;
   auto plan = context_.renderer.plan(request.view.settings, request.view.pose);
   if (!plan.frame && plan.errors.empty()) return true;  // nothing yet
   if (!plan.frame) {
-    context_.events.on_once_fault(frame.request, plan.errors);
+    context_.events.on_request_fault(frame.request, plan.errors);
     return false;
   }
   frame.plan = std::move(plan.frame);
@@ -189,8 +189,8 @@ bool OnceJob::begin(Frame& frame) const {
   return true;
 }
 
-bool OnceJob::render_slice(Frame& frame) const {
-  const OnceRequest& request = *frame.request;
+bool FrameRequestJob::render_slice(Frame& frame) const {
+  const FrameRequest& request = *frame.request;
   const std::size_t wedge_bytes = std::size_t{wire::bytes_per_bin(wire::kAllPlanes)} * kWedgeAzimuthBins *
                                   static_cast<std::size_t>(request.view.settings->settings.range_bins);
   const int wedges =
@@ -239,7 +239,7 @@ bool OnceJob::render_slice(Frame& frame) const {
   frame.plan->summarise(frame.stats->total(), summary);
   // Counted before the client has it.
   const double render_s = frame.render_s + to_seconds(context_.now() - context_.turn_began);
-  context_.events.on_once_rendered({render_s, summary.rays(), summary.hits()});
+  context_.events.on_request_rendered({render_s, summary.rays(), summary.hits()});
   frame.send(context_.events, frame.encoder->end(summary, render_s));
   return false;
 }
