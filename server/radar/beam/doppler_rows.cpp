@@ -51,8 +51,7 @@ DopplerRows::DopplerRows(const EchoPlan& plan)
       kept_(static_cast<std::size_t>(
           std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))),
       outputs_(kWedgeAzimuthBins),
-      row_hz_(static_cast<std::size_t>(plan.rows_of(kWedgeAzimuthBins))),
-      output_hz_(kWedgeAzimuthBins),
+      away_hz_(static_cast<std::size_t>(plan.rows_of(kWedgeAzimuthBins)) * kWedgeAzimuthBins),
       zeros_(stride_),
       dark_(stride_ / CellSpan::kBins, CellSpan{0, -1}) {}
 
@@ -85,7 +84,7 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
     re_.push_back(row.re.data());
     im_.push_back(row.im.data());
   }
-  const std::size_t all = row_hz_.size();
+  const std::size_t all = away_hz_.size() / kWedgeAzimuthBins;
   spans_.resize(all, dark_.data());
   for (auto* const rows_of : {&firsts_, &seconds_, &re_, &im_}) rows_of->resize(all, zeros_.data());
   if (!moving_.empty()) moving_.resize(all, zeros_.data());
@@ -104,11 +103,9 @@ void DopplerRows::place_outputs(int first_azimuth) {
     if (doppler.has_lock()) place(output, doppler.level_sine().data(), nullptr, azimuth_rad);
     output.level_hz = doppler.ground().level_hz(sincos_turns(azimuth_rad / (2 * std::numbers::pi)));
   }
-  const double first_hz = outputs_.front().level_hz;
-  for (std::size_t o = 0; o < outputs_.size(); ++o)
-    output_hz_[o] = static_cast<float>(outputs_[o].level_hz - first_hz);
-  for (std::size_t k = 0; k < rows_.size(); ++k)
-    row_hz_[k] = static_cast<float>(rows_[k]->level_hz - first_hz);
+  auto away = away_hz_.begin();
+  for (const Row* row : rows_)
+    for (const Row& output : outputs_) *away++ = static_cast<float>(row->level_hz - output.level_hz);
 }
 
 void DopplerRows::place(Row& row, const float* sine, const float* power, double azimuth_rad) const {

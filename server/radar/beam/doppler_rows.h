@@ -38,9 +38,9 @@ class DopplerRows {
   /// level ground (DopplerCells) and nothing.
   const float* const* firsts() const { return firsts_.data(); }
   const float* const* seconds() const { return seconds_.data(); }
-  /// Where the cells lie, and Doppler on the level less that of the first output placed.
+  /// Where the cells lie, and [row][output] Doppler on the level less that of an output placed.
   const CellSpan* const* spans() const { return spans_.data(); }
-  const float* row_hz() const { return row_hz_.data(); }
+  const float* away_hz() const { return away_hz_.data(); }
   /// Of their power, what moves in the wind; null: nothing does.
   const float* const* moving() const { return moving_.empty() ? nullptr : moving_.data(); }
   /// Another power of row k, of a label, behind the same canceller; until the next call for k.
@@ -55,7 +55,6 @@ class DopplerRows {
   const float* output_second(int output) const {
     return outputs_[static_cast<std::size_t>(output)].second.data();
   }
-  float output_hz(int output) const { return output_hz_[static_cast<std::size_t>(output)]; }
 
  private:
   struct Row {
@@ -83,7 +82,7 @@ class DopplerRows {
   std::vector<const float*> firsts_, seconds_, moving_, re_, im_;
   std::vector<const CellSpan*> spans_;
   std::vector<Row> outputs_;
-  std::vector<float> row_hz_, output_hz_;
+  std::vector<float> away_hz_;
   std::vector<float> zeros_;    // a row without ground
   std::vector<CellSpan> dark_;  // it too
 };

@@ -236,12 +236,10 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
                      kernels.voltage.data(),
                      doppler_->firsts() + first,
                      doppler_->spans() + first,
-                     doppler_->row_hz() + first,
-                     {},
+                     doppler_->away_hz() + WeighedRows::kOutputs * first,
                      doppler.level_cells_a_hz().data(),
                      doppler.level_spans().data(),
                      doppler.response().table()};
-    for (int o = 0; o < WeighedRows::kOutputs; ++o) sum.output_hz[o] = doppler_->output_hz(o);
     active_kernels().sharpened_sum(sum);
     return;
   }

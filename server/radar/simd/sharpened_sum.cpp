@@ -30,9 +30,10 @@ struct Nearest {
   float middle[kOutputs];
   unsigned found;
 
-  OBLIQ_INLINE Nearest(const DopplerTable& table, CellSpan of_row, CellSpan level, Outputs away_hz) {
-    const Outputs centre = of_row.middle + away_hz * level.middle;
-    const Outputs reach = of_row.reach + magnitude(away_hz) * level.reach;
+  OBLIQ_INLINE void find(const DopplerTable& table, CellSpan of_row, CellSpan level, const float* away_hz) {
+    const Outputs away = load_as<Outputs>(away_hz);
+    const Outputs centre = of_row.middle + away * level.middle;
+    const Outputs reach = of_row.reach + magnitude(away) * level.reach;
     const Outputs number = rounded(centre * kPolynomialsACell);
     const Outputs cells = number * (1 / kPolynomialsACell);
     found = movemask(reach + magnitude(centre - cells) < 0.25F);
@@ -48,55 +49,105 @@ OBLIQ_INLINE f32x16 polynomial(const float* a, f32x16 x) {
   return a[0] + x * (a[1] + x * (a[2] + x * (a[3] + x * a[4])));
 }
 
+/// from[at] and from[at + 1], each pair by one load.
+OBLIQ_INLINE Pairs<f32x16> gather_pairs(const float* from, i32x16 at) {
+  std::int32_t places[kFloatLanes];
+  to_memory(places, at);
+  const auto four = [&](int lane) __attribute__((always_inline)) {
+    const auto pair = [&](int k) __attribute__((always_inline)) {
+      return reinterpret_cast<const __m64*>(from + places[lane + k]);
+    };
+    const __m128 a = _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), pair(0)), pair(1));
+    const __m128 b = _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), pair(2)), pair(3));
+    const auto lanes = [](__m128 floats) __attribute__((always_inline)) {
+      return OBLIQ_ISA::lanes_from<Lanes<float, 4>>(floats);
+    };
+    return Pairs<Lanes<float, 4>>{lanes(_mm_shuffle_ps(a, b, 0x88)), lanes(_mm_shuffle_ps(a, b, 0xdd))};
+  };
+  const auto a = four(0), b = four(4), c = four(8), d = four(12);
+  return {joined(joined(a.first, b.first), joined(c.first, d.first)),
+          joined(joined(a.second, b.second), joined(c.second, d.second))};
+}
+
 /// D of bins that lie far from each other.
 OBLIQ_INLINE f32x16 from_steps(const DopplerTable& table, f32x16 cells) {
   const f32x16 step =
       min(magnitude(within_period(cells, table.period)) * static_cast<float>(DopplerTable::kStepsACell),
           all_lanes(table.last_step));
   const i32x16 at = truncated(step);
-  const f32x16 low = gather(table.steps, at);
-  return low + (step - floats_of(at)) * (gather(table.steps + 1, at) - low);
+  const Pairs<f32x16> beside = gather_pairs(table.steps, at);
+  return beside.first + (step - floats_of(at)) * (beside.second - beside.first);
+}
+
+/// What is summed in one place of the rows: D of a row for an output.
+struct Place {
+  const SharpenedSum& sum;
+  int x;
+  f32x16 cells_a_hz;
+
+  OBLIQ_INLINE f32x16 by_polynomial(const Nearest& nearest, f32x16 beside_level, const float* away_hz,
+                                    int o) const {
+    const f32x16 cells = beside_level + (away_hz[o] * cells_a_hz - nearest.middle[o]);
+    return polynomial(sum.table.polynomials + nearest.at[o], cells);
+  }
+  OBLIQ_INLINE f32x16 by_steps(f32x16 beside_level, const float* away_hz, int o) const {
+    return from_steps(sum.table, beside_level + away_hz[o] * cells_a_hz);
+  }
+};
+
+using Responses = float[kOutputs][kFloatLanes];
+
+/// D where not all outputs have found a polynomial.
+OBLIQ_INLINE void find_responses(const Place& place, const Nearest& nearest, f32x16 beside_level,
+                                 const float* away_hz, Responses& responses) {
+  for (int o = 0; o < kOutputs; ++o)
+    store(responses[o], (nearest.found >> o & 1) != 0 ? place.by_polynomial(nearest, beside_level, away_hz, o)
+                                                      : place.by_steps(beside_level, away_hz, o));
 }
 
 }  // namespace
 
 void sharpened_sum(const SharpenedSum& sum) {
-  const WeighedRows& rows = sum.rows;
+  constexpr int kBlock = 16;
   constexpr unsigned kAll = (1U << kOutputs) - 1;
-  const Outputs output_hz = load_as<Outputs>(sum.output_hz);
+  const WeighedRows& rows = sum.rows;
+  Nearest block[kBlock];
+  Responses responses[kBlock];
   for (int x = rows.first; x < rows.first + rows.n; x += kFloatLanes) {
     Totals totals;
     const int tile = x / CellSpan::kBins;
-    const f32x16 cells_a_hz = load_floats(sum.cells_a_hz + x);
-    f32x16 output_cells[kOutputs];
-    for (int o = 0; o < kOutputs; ++o) output_cells[o] = sum.output_hz[o] * cells_a_hz;
-    for (int k = 0; k < rows.n_rows; ++k) {
-      const CellSpan span = sum.spans[k][tile];
-      if (span.reach < 0) continue;
-      const RowLanes row(rows, nullptr, k, x);
-      const f32x16 cells = load_row(sum.beside_level, k, x) + sum.row_hz[k] * cells_a_hz;
-      const Nearest nearest(sum.table, span, sum.level[tile], sum.row_hz[k] - output_hz);
-      const float* const taps = sum.taps + (rows.taps_at[k] - rows.skipped);
-      const auto by_polynomial = [&](int o) __attribute__((always_inline)) {
-        return polynomial(sum.table.polynomials + nearest.at[o],
-                          cells - (output_cells[o] + nearest.middle[o]));
-      };
-      const auto add_all = [&](const auto& response) __attribute__((always_inline)) {
-#pragma GCC unroll 8
-        for (int o = 0; o < kOutputs; ++o) {
-          const f32x16 weight = taps[-o * rows.step] * response(o);
-          add(totals, o, row, weight, row.power * (weight * weight));
-        }
-      };
-      if (nearest.found == kAll) {
-        add_all(by_polynomial);
-        continue;
+    const Place place{sum, x, load_floats(sum.cells_a_hz + x)};
+    for (int begin = 0; begin < rows.n_rows; begin += kBlock) {
+      const int end = begin + kBlock < rows.n_rows ? begin + kBlock : rows.n_rows;
+      for (int k = begin; k < end; ++k) {
+        const float* const away_hz = sum.away_hz + kOutputs * k;
+        Nearest& nearest = block[k - begin];
+        nearest.find(sum.table, sum.spans[k][tile], sum.level[tile], away_hz);
+        if (nearest.found != kAll)
+          find_responses(place, nearest, load_floats(sum.beside_level[k] + x), away_hz, responses[k - begin]);
       }
-      float responses[kOutputs][kFloatLanes];
-      for (int o = 0; o < kOutputs; ++o)
-        store(responses[o], (nearest.found >> o & 1) != 0 ? by_polynomial(o)
-                                                          : from_steps(sum.table, cells - output_cells[o]));
-      add_all([&](int o) __attribute__((always_inline)) { return load_floats(responses[o]); });
+      for (int k = begin; k < end; ++k) {
+        if (sum.spans[k][tile].reach < 0) continue;
+        const RowLanes row(rows, nullptr, k, x);
+        const float* const taps = sum.taps + (rows.taps_at[k] - rows.skipped);
+        const auto add_all = [&](const auto& response) __attribute__((always_inline)) {
+#pragma GCC unroll 8
+          for (int o = 0; o < kOutputs; ++o) {
+            const f32x16 weight = taps[-o * rows.step] * response(o);
+            add(totals, o, row, weight, row.power * (weight * weight));
+          }
+        };
+        const Nearest& nearest = block[k - begin];
+        if (nearest.found == kAll) {
+          const f32x16 beside_level = load_row(sum.beside_level, k, x);
+          const float* const away_hz = sum.away_hz + kOutputs * k;
+          add_all([&](int o) __attribute__((always_inline)) {
+            return place.by_polynomial(nearest, beside_level, away_hz, o);
+          });
+        } else {
+          add_all([&](int o) __attribute__((always_inline)) { return load_floats(responses[k - begin][o]); });
+        }
+      }
     }
     totals.store_at(rows, x);
   }

@@ -19,16 +19,15 @@ struct DopplerTable {
 };
 
 /// A beam sharpened by Doppler: the weight is taps[at] D(u), u the cells of the row less those of level
-/// ground at the output's azimuth: beside_level + (row_hz - output_hz) cells_a_hz.
+/// ground at the output's azimuth: beside_level + away_hz cells_a_hz.
 struct SharpenedSum {
   WeighedRows rows;  ///< whole spans
   const float* taps;
   const float* const* beside_level;  ///< [n_rows] (DopplerCells)
   const CellSpan* const* spans;      ///< [n_rows] of those, from bin 0 on
-  const float* row_hz;               ///< [n_rows] on the level, above any that they all share
-  float output_hz[WeighedRows::kOutputs];
-  const float* cells_a_hz;  ///< of level ground
-  const CellSpan* level;    ///< of those
+  const float* away_hz;              ///< [n_rows][kOutputs] of a row from an output, on the level
+  const float* cells_a_hz;           ///< of level ground
+  const CellSpan* level;             ///< of those
   DopplerTable table;
 };
 OBLIQ_KERNEL(void, sharpened_sum, const SharpenedSum&);
