@@ -109,6 +109,7 @@ OBLIQ_INLINE void find_responses(const Place& place, const Nearest& nearest, f32
 
 void sharpened_sum(const SharpenedSum& sum) {
   constexpr int kBlock = 16;
+  constexpr int kSpansAhead = 8;  // a line of memory
   constexpr unsigned kAll = (1U << kOutputs) - 1;
   const WeighedRows& rows = sum.rows;
   Nearest block[kBlock];
@@ -122,9 +123,11 @@ void sharpened_sum(const SharpenedSum& sum) {
       for (int k = begin; k < end; ++k) {
         const float* const away_hz = sum.away_hz + kOutputs * k;
         Nearest& nearest = block[k - begin];
+        __builtin_prefetch(sum.spans[k] + tile + kSpansAhead);
+        const f32x16 beside_level = load_row(sum.beside_level, k, x);
         nearest.find(sum.table, sum.spans[k][tile], sum.level[tile], away_hz);
         if (nearest.found != kAll)
-          find_responses(place, nearest, load_floats(sum.beside_level[k] + x), away_hz, responses[k - begin]);
+          find_responses(place, nearest, beside_level, away_hz, responses[k - begin]);
       }
       for (int k = begin; k < end; ++k) {
         if (sum.spans[k][tile].reach < 0) continue;
@@ -139,7 +142,7 @@ void sharpened_sum(const SharpenedSum& sum) {
         };
         const Nearest& nearest = block[k - begin];
         if (nearest.found == kAll) {
-          const f32x16 beside_level = load_row(sum.beside_level, k, x);
+          const f32x16 beside_level = load_floats(sum.beside_level[k] + x);
           const float* const away_hz = sum.away_hz + kOutputs * k;
           add_all([&](int o) __attribute__((always_inline)) {
             return place.by_polynomial(nearest, beside_level, away_hz, o);
