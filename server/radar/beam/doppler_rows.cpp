@@ -11,6 +11,8 @@
 namespace obliq {
 namespace {
 
+static_assert(EchoPlan::kTile % CellSpan::kBins == 0);
+
 // In units of ask(), a bin: its Doppler, a canceller.
 constexpr std::int64_t kPlaceWork = 4;
 constexpr std::int64_t kCancelWork = 2;
@@ -49,13 +51,16 @@ DopplerRows::DopplerRows(const EchoPlan& plan)
       kept_(static_cast<std::size_t>(
           std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))),
       outputs_(kWedgeAzimuthBins),
-      zeros_(stride_) {}
+      away_hz_(static_cast<std::size_t>(plan.rows_of(kWedgeAzimuthBins)) * kWedgeAzimuthBins),
+      zeros_(stride_),
+      dark_(stride_ / CellSpan::kBins, CellSpan{0, -1}) {}
 
 void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row, Voltages voltages,
                        std::uint64_t key) {
   rows_.clear();
   firsts_.clear();
   seconds_.clear();
+  spans_.clear();
   moving_.clear();
   re_.clear();
   im_.clear();
@@ -66,7 +71,7 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
       row.azimuth = azimuth;
       row.voltages = Voltages::none;
       row.power = nullptr;
-      place(row, rows[k]->sine_row(azimuth), plan_.row_middle_rad(azimuth));
+      place(row, rows[k]->sine_row(azimuth), rows[k]->power_row(azimuth), plan_.row_middle_rad(azimuth));
       if (!plan_.doppler->windy().empty()) moving_power(*plan_.doppler, *rows[k], azimuth, row.moving);
     }
     if (row.power == nullptr || row.voltages != voltages || row.key != key)
@@ -74,11 +79,13 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
     rows_.push_back(&row);
     firsts_.push_back(row.first.data());
     seconds_.push_back(row.second.data());
+    spans_.push_back(row.spans.data());
     if (!row.moving.empty()) moving_.push_back(row.moving.data());
     re_.push_back(row.re.data());
     im_.push_back(row.im.data());
   }
-  const auto all = static_cast<std::size_t>(plan_.rows_of(kWedgeAzimuthBins));
+  const std::size_t all = away_hz_.size() / kWedgeAzimuthBins;
+  spans_.resize(all, dark_.data());
   for (auto* const rows_of : {&firsts_, &seconds_, &re_, &im_}) rows_of->resize(all, zeros_.data());
   if (!moving_.empty()) moving_.resize(all, zeros_.data());
 }
@@ -89,20 +96,29 @@ std::size_t DopplerRows::place_of(int row) const {
 }
 
 void DopplerRows::place_outputs(int first_azimuth) {
-  for (int o = 0; o < kWedgeAzimuthBins; ++o)
-    place(outputs_[static_cast<std::size_t>(o)], plan_.doppler->level_sine().data(),
-          plan_.output_middle_rad(first_azimuth + o));
+  const DopplerPlan& doppler = *plan_.doppler;
+  for (int o = 0; o < kWedgeAzimuthBins; ++o) {
+    Row& output = outputs_[static_cast<std::size_t>(o)];
+    const double azimuth_rad = plan_.output_middle_rad(first_azimuth + o);
+    if (doppler.has_lock()) place(output, doppler.level_sine().data(), nullptr, azimuth_rad);
+    output.level_hz = doppler.ground().level_hz(sincos_turns(azimuth_rad / (2 * std::numbers::pi)));
+  }
+  auto away = away_hz_.begin();
+  for (const Row* row : rows_)
+    for (const Row& output : outputs_) *away++ = static_cast<float>(row->level_hz - output.level_hz);
 }
 
-void DopplerRows::place(Row& row, const float* sine, double azimuth_rad) const {
+void DopplerRows::place(Row& row, const float* sine, const float* power, double azimuth_rad) const {
   const DopplerPlan& doppler = *plan_.doppler;
-  const SinCos azimuth = sincos_turns(azimuth_rad / (2 * std::numbers::pi));
-  const DopplerRow of{static_cast<int>(stride_), sine, doppler.turns_a_hz().data(),
-                      doppler.ground().level_hz(azimuth), doppler.ground().up_hz()};
+  row.level_hz = doppler.ground().level_hz(sincos_turns(azimuth_rad / (2 * std::numbers::pi)));
+  const DopplerRow of{static_cast<int>(stride_), sine, doppler.turns_a_hz().data(), row.level_hz,
+                      doppler.ground().up_hz()};
   row.first.resize(stride_);
   ask(kPlaceWork * static_cast<std::int64_t>(stride_));
   if (!doppler.is_canceller()) {
-    active_kernels().doppler_cells({of, row.first.data()});
+    row.spans.resize(dark_.size());
+    active_kernels().doppler_cells(
+        {of, doppler.level_sine().data(), power, row.first.data(), row.spans.data()});
     return;
   }
   row.second.resize(stride_);

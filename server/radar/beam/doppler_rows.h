@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/radar/beam/sharp_wedge.h"
-#include "server/radar/simd/doppler_sums.h"
+#include "server/radar/simd/row_doppler.h"
 
 namespace obliq {
 
@@ -34,16 +34,19 @@ class DopplerRows {
   /// Else, of all taken, apart.
   const float* const* re() const { return re_.data(); }
   const float* const* im() const { return im_.data(); }
-  /// Of all taken, and of dark rows behind them: sine and cosine of half the turns (mti), or cells and
-  /// nothing.
+  /// Of all taken, and of dark rows behind them: sine and cosine of half the turns (mti), or cells beside
+  /// level ground (DopplerCells) and nothing.
   const float* const* firsts() const { return firsts_.data(); }
   const float* const* seconds() const { return seconds_.data(); }
+  /// Where the cells lie, and [row][output] Doppler on the level less that of an output placed.
+  const CellSpan* const* spans() const { return spans_.data(); }
+  const float* away_hz() const { return away_hz_.data(); }
   /// Of their power, what moves in the wind; null: nothing does.
   const float* const* moving() const { return moving_.empty() ? nullptr : moving_.data(); }
   /// Another power of row k, of a label, behind the same canceller; until the next call for k.
   const float* filtered(std::size_t k, const float* power);
 
-  /// The same of output azimuths over level ground, kWedgeAzimuthBins from the first on.
+  /// The same of output azimuths over level ground, kWedgeAzimuthBins from the first on; after take().
   void place_outputs(int first_azimuth);
   const MovingEchoes& moving_echoes() const { return moving_echoes_; }
   const float* output_first(int output) const {
@@ -60,11 +63,14 @@ class DopplerRows {
     std::uint64_t key = 0;
     const float* power = nullptr;
     const float* iq = nullptr;
+    double level_hz = 0;
     std::vector<float> first, second;
+    std::vector<CellSpan> spans;
     std::vector<float> own_power, own_iq, re, im, other_power, moving;
   };
   std::size_t place_of(int row) const;
-  void place(Row& row, const float* sine, double azimuth_rad) const;
+  /// power: that the row's cells count for; of a canceller nothing.
+  void place(Row& row, const float* sine, const float* power, double azimuth_rad) const;
   void make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key);
   void cancel(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
 
@@ -74,8 +80,11 @@ class DopplerRows {
   std::vector<Row> kept_;   // by their number, on and on
   std::vector<Row*> rows_;  // those taken
   std::vector<const float*> firsts_, seconds_, moving_, re_, im_;
+  std::vector<const CellSpan*> spans_;
   std::vector<Row> outputs_;
-  std::vector<float> zeros_;  // a row without ground
+  std::vector<float> away_hz_;
+  std::vector<float> zeros_;    // a row without ground
+  std::vector<CellSpan> dark_;  // it too
 };
 
 }  // namespace obliq

@@ -304,11 +304,13 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   if (has_doppler_filter(s)) {
     // DopplerRows: Doppler, I&Q and powers of the current rows. DopplerPlan, polynomials of a canceller.
     constexpr std::int64_t kRowFloats = 8;
+    constexpr std::int64_t kSpanBytes = sizeof(CellSpan);
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
-                       (kRowFloats * kFloat * layout.stride() + 200);
+                       (kRowFloats * kFloat * layout.stride() + 400 + kSpanBytes * size.n_tiles);
     size.plan_bytes += 4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
-                       grown_bytes(layout.stride(), sizeof(double)) + grown_bytes(layout.stride(), kFloat) +
+                       grown_bytes(layout.stride(), sizeof(double)) +
+                       2 * grown_bytes(layout.stride(), kFloat) + grown_bytes(size.n_tiles, kSpanBytes) +
                        grown_bytes(DopplerResponse::n_steps(cells), kFloat) +
                        grown_bytes(DopplerResponse::n_terms(cells), kFloat);
   }

@@ -65,7 +65,7 @@ struct EchoLayout {
   int n_taps() const { return 2 * reach + azimuth_parts; }
   /// A set of azimuth weights with zeros on either side, for neighbouring outputs.
   int kernel_length() const { return n_taps() + 2 * kernel_pad(); }
-  int kernel_pad() const { return (AzimuthSum::kOutputs - 1) * azimuth_parts; }
+  int kernel_pad() const { return (kWedgeAzimuthBins - 1) * azimuth_parts; }
   int n_gates() const { return 2 * gate_reach + range_parts; }
   int n_tiles() const { return (sharp_ranges + kTile - 1) / kTile; }
   /// Sharp range bins of a row with what is behind them.

@@ -1,6 +1,7 @@
 #include "server/radar/beam/echo_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -148,14 +149,15 @@ struct Planner {
 
   /// A tap behind the canceller of an antenna that turns; gain: of it so many pulses before.
   template <typename Gain>
-  std::vector<double> cancelled_tap(const Gain& gain) const {
+  std::array<double, 4> cancelled_tap(const Gain& gain) const {
     const int delays = plan.doppler->delays();
     ask(kFunction * (delays + 1));
     std::vector<double> gains;
     for (int k = 0; k <= delays; ++k) gains.push_back(gain(k));
-    std::vector<double> in_u = canceller_in_u(gains);
-    for (double& term : in_u) term *= plan.doppler->over_noise_root();
-    return in_u;
+    const auto [even, odd] = canceller_terms(gains);
+    std::array<double, 4> terms{even[0], even[1], odd[0], odd[1]};
+    for (double& term : terms) term *= plan.doppler->over_noise_root();
+    return terms;
   }
 
   void add_kernel(const BeamOnGround& beam, int step) {

@@ -25,8 +25,7 @@ struct AzimuthKernels {
   std::vector<float> voltage;  ///< [sets][length]
   std::vector<float> power;    ///< their squares
   std::vector<int> unused;     ///< [sets] taps on either side that are 0
-  /// [sets][length][4] of a canceller whose antenna turns, or whose notch follows the output: polynomials in
-  /// u (canceller_in_u). Else empty.
+  /// [sets][length][4] of a canceller whose antenna turns: even and odd terms (CancellerTerms). Else empty.
   std::vector<float> cancelled;
 };
 

@@ -159,8 +159,7 @@ void EchoSums::sum_azimuths(std::initializer_list<Kind> kinds, const BinBlock& b
   doppler_->place_outputs(bins.first_azimuth);
   for (std::size_t tile = 0; tile < tiles; ++tile) {
     place_rows(tile);
-    for (int output = 0; output < bins.n_azimuth; output += WeighedRows::kOutputs)
-      sum_doppler(kinds, tile, output);
+    sum_doppler(kinds, tile);
   }
 }
 
@@ -202,9 +201,10 @@ void EchoSums::sum_shared(std::initializer_list<Kind> kinds, std::size_t tile, i
 }
 
 /// Each bin of each row has a weight of its own.
-void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, int output) {
+void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) {
+  static_assert(WeighedRows::kOutputs == kLanesOut);
   constexpr int kWeights = 16;  // work of one, in products
-  const RowSpan span = weighing(tile, output, WeighedRows::kOutputs);
+  const RowSpan span = weighing(tile, 0, kLanesOut);
   const auto first = static_cast<std::size_t>(span.first);
   WeighedRows rows{zero_rows_.data(),
                    nullptr,
@@ -218,8 +218,8 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, 
                    {},
                    {}};
   for (int o = 0; o < WeighedRows::kOutputs; ++o) {
-    rows.out_power[o] = out_row(kPower, output + o);
-    rows.out_iq[o] = out_row(kIq, output + o);
+    rows.out_power[o] = out_row(kPower, o);
+    rows.out_iq[o] = out_row(kIq, o);
   }
   for (const auto& [kind, of_kind] : kinds) {
     if (kind == kPower) rows.power = of_kind->data() + first;
@@ -228,23 +228,28 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, 
   }
   ask(std::int64_t{span.n} * WeighedRows::kOutputs * EchoPlan::kTile * kWeights / kProducts);
   const DopplerPlan& doppler = *plan_.doppler;
-  const float* const* const sin = doppler_->firsts() + first;
-  const float* const* const cos = doppler_->seconds() + first;
   const float* const* moving = doppler_->moving();
   if (moving != nullptr) moving += first;
   const AzimuthKernels& kernels = plan_.kernels;
   if (!doppler.is_canceller()) {
-    SharpenedSum sum{rows, kernels.voltage.data(),     sin,
-                     {},   doppler.response().table(), static_cast<float>(doppler.response().period_cells())};
-    for (int o = 0; o < WeighedRows::kOutputs; ++o) sum.output_cells[o] = doppler_->output_first(output + o);
+    SharpenedSum sum{rows,
+                     kernels.voltage.data(),
+                     doppler_->firsts() + first,
+                     doppler_->spans() + first,
+                     doppler_->away_hz() + WeighedRows::kOutputs * first,
+                     doppler.level_cells_a_hz().data(),
+                     doppler.level_spans().data(),
+                     doppler.response().table()};
     active_kernels().sharpened_sum(sum);
     return;
   }
+  const float* const* const sin = doppler_->firsts() + first;
+  const float* const* const cos = doppler_->seconds() + first;
   const MovingEchoes& echoes = doppler_->moving_echoes();
   const auto lock = [&](auto& sum) {
     for (int o = 0; doppler.has_lock() && o < WeighedRows::kOutputs; ++o) {
-      sum.output_sin[o] = doppler_->output_first(output + o);
-      sum.output_cos[o] = doppler_->output_second(output + o);
+      sum.output_sin[o] = doppler_->output_first(o);
+      sum.output_cos[o] = doppler_->output_second(o);
     }
   };
   if (kernels.cancelled.empty()) {

@@ -36,7 +36,7 @@ class EchoSums {
   void take_kernels(const std::vector<const SharpWedge*>& rows, int first_row);
   void sum_azimuths(std::initializer_list<Kind> kinds, const BinBlock& bins);
   void sum_shared(std::initializer_list<Kind> kinds, std::size_t tile, int n_azimuth);
-  void sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile, int output);
+  void sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile);
   void take_doppler(const std::vector<const SharpWedge*>& rows, int first_row, DopplerRows::Voltages voltages,
                     std::uint64_t draw);
   /// Of the current rows: `begin` is the first output's first, n from `first` on weigh.

@@ -22,28 +22,29 @@ ByLag canceller_autocorrelation(int delays) {
   return by_lag;
 }
 
-std::vector<double> canceller_in_u(const std::vector<double>& gains) {
-  // 1 - z E = (1 - E) + (1 - z) E, E the step to the pulse before: the power c of it by the binomial theorem.
-  const int c = static_cast<int>(gains.size()) - 1;
-  std::vector<double> in_u;
-  for (int p = 0; p <= c; ++p) {
-    double difference = 0;
-    for (int q = 0; q <= c - p; ++q)
-      difference += (q % 2 == 0 ? 1 : -1) * binomial(c - p, q) * gains[static_cast<std::size_t>(p + q)];
-    in_u.push_back(binomial(c, p) * difference);
+CancellerTerms canceller_terms(const std::vector<double>& g) {
+  switch (g.size()) {
+    case 2:
+      return {{g[0] - g[1], 0}, {g[0] + g[1], 0}};
+    case 3:
+      return {{(g[0] - g[1]) - (g[1] - g[2]), -(g[0] + g[2]) / 2}, {g[0] - g[2], 0}};
+    default:
+      // cos 3x = cos x (1 - 4 sin^2 x), sin 3x = sin x (3 - 4 sin^2 x).
+      return {{(g[0] - g[3]) - 3 * (g[1] - g[2]), g[3] - g[0]},
+              {3 * ((g[0] - g[1]) - (g[2] - g[3])), -(g[0] + g[3])}};
   }
-  return in_u;
 }
 
-std::complex<double> canceller_u(double turns) {
+std::complex<double> cancelled(const std::vector<double>& gains, double turns) {
+  const int delays = static_cast<int>(gains.size()) - 1;
+  const CancellerTerms terms = canceller_terms(gains);
   const SinCos half = sincos_turns(turns / 2);
-  return {2 * half.sin * half.sin, 2 * half.sin * half.cos};
-}
-
-std::complex<double> cancelled(const std::vector<double>& in_u, std::complex<double> u) {
-  std::complex<double> sum = in_u.back();
-  for (std::size_t p = in_u.size() - 1; p-- > 0;) sum = sum * u + in_u[p];
-  return sum / std::sqrt(canceller_noise_gain(static_cast<int>(in_u.size()) - 1));
+  const double y = 4 * half.sin * half.sin;
+  const double even = delays == 2 ? 1 : half.cos;
+  const double odd = delays == 2 ? 2 * half.sin * half.cos : half.sin;
+  return std::complex<double>{even * (terms.even[0] + terms.even[1] * y),
+                              odd * (terms.odd[0] + terms.odd[1] * y)} /
+         std::sqrt(canceller_noise_gain(delays));
 }
 
 }  // namespace obliq

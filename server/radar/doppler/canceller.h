@@ -19,15 +19,20 @@ double canceller_noise_gain(int delays);
 using ByLag = std::array<double, kMostDelays + 1>;
 ByLag canceller_autocorrelation(int delays);
 
-/// What echoes of a row become of which the antenna, as it turns, sees gains[i] i pulses before, i from 0 to
-/// c: the sum over i of (-1)^i C(c, i) gains[i] z^i, z = exp(-j 2 pi f / PRF), as a polynomial in u = 1 - z.
-/// Its coefficients hold the gains' own differences, so that nothing large is subtracted from its like.
-std::vector<double> canceller_in_u(const std::vector<double>& gains);
+/// What a canceller makes of echoes that its antenna, as it turns, sees with gains[i] i pulses before, i from
+/// 0 to c, as at the middle of its pulses: the sum over i of (-1)^i C(c, i) gains[i] exp(j 2 pi (c/2 - i) f /
+/// PRF). Pulses as far before the middle as behind it go together. With s and c of pi f / PRF and y = 4 s^2
+/// it is
+///   even (even[0] + even[1] y) + j odd (odd[0] + odd[1] y); even = 1, odd = 2 s c of two delays, else c and
+///   s.
+/// even[0] is the gains' own difference, of order c, and odd[0] one of order c - 1 but for a single delay,
+/// which has no y: nothing large is subtracted from its like.
+struct CancellerTerms {
+  std::array<double, 2> even{}, odd{};
+};
+CancellerTerms canceller_terms(const std::vector<double>& gains);
 
-/// u of the turns that the echo's phase makes between two pulses.
-std::complex<double> canceller_u(double turns);
-
-/// A polynomial of canceller_in_u at u, of unit noise gain.
-std::complex<double> cancelled(const std::vector<double>& in_u, std::complex<double> u);
+/// That sum, of unit noise gain.
+std::complex<double> cancelled(const std::vector<double>& gains, double turns);
 
 }  // namespace obliq

@@ -36,6 +36,18 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
     turns_a_hz_.push_back(turns_a_hz(ranges.middle_m(bin)));
     level_sine_.push_back(static_cast<float>(level_sine(ranges.middle_m(bin))));
   }
+  if (mode_ == RadarMode::dbs || mode_ == RadarMode::sar) place_level_ground();
+}
+
+void DopplerPlan::place_level_ground() {
+  for (std::size_t bin = 0; bin < level_sine_.size(); ++bin) {
+    const double sine = static_cast<double>(level_sine_[bin]);
+    level_cells_a_hz_.push_back(static_cast<float>(turns_a_hz_[bin] * std::sqrt(1 - sine * sine)));
+  }
+  for (auto from = level_cells_a_hz_.begin(); from != level_cells_a_hz_.end(); from += CellSpan::kBins) {
+    const auto [low, high] = std::minmax_element(from, from + CellSpan::kBins);
+    level_spans_.push_back({0.5F * (*low + *high), 0.5F * (*high - *low)});
+  }
 }
 
 double DopplerPlan::turns_a_hz(double range_m) const {
@@ -61,11 +73,10 @@ std::complex<double> DopplerPlan::weight(double hz, double range_m, const SinCos
   const double middle_hz = follows ? ground_.hz(output, level_sine(range_m)) : 0;
   const double turns = (hz - middle_hz) * turns_a_hz(range_m);
   if (!is_canceller()) return gains.front() * response_.at(turns);
-  const SinCos half = sincos_turns(turns / 2);
   // As at the middle of the pulses.
-  if (turn_rad_ == 0) return gains.front() * std::pow(2 * half.sin, delays_) * over_noise_root_;
-  return cancelled(canceller_in_u(gains), canceller_u(turns)) *
-         std::pow(std::complex<double>(half.cos, half.sin), delays_);
+  if (turn_rad_ == 0)
+    return gains.front() * std::pow(2 * sincos_turns(turns / 2).sin, delays_) * over_noise_root_;
+  return cancelled(gains, turns);
 }
 
 }  // namespace obliq

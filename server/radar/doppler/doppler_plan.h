@@ -8,6 +8,7 @@
 #include "server/radar/doppler/ground_doppler.h"
 #include "server/radar/doppler/wind.h"
 #include "server/radar/settings.h"
+#include "server/radar/simd/row_doppler.h"
 
 namespace obliq {
 
@@ -15,7 +16,7 @@ namespace obliq {
 struct SharpRanges {
   double r_min_m = 0;
   double spacing_m = 0;
-  int n = 0;
+  int n = 0;  ///< a multiple of CellSpan::kBins
   double middle_m(int bin) const { return r_min_m + (bin + 0.5) * spacing_m; }
 };
 
@@ -60,6 +61,10 @@ class DopplerPlan {
   /// The same [ranges], and sines of elevation of level ground.
   const std::vector<double>& turns_a_hz() const { return turns_a_hz_; }
   const std::vector<float>& level_sine() const { return level_sine_; }
+  /// Of level ground, of modes that are not a canceller's: cells for 1 Hz on the level [ranges], and by
+  /// CellSpan::kBins of them where they lie.
+  const std::vector<float>& level_cells_a_hz() const { return level_cells_a_hz_; }
+  const std::vector<CellSpan>& level_spans() const { return level_spans_; }
   double level_sine(double range_m) const;
 
   /// What an echo at f Hz and this range weighs in the output whose own is at an azimuth, its two-way voltage
@@ -68,6 +73,8 @@ class DopplerPlan {
                               const std::vector<double>& gains) const;
 
  private:
+  void place_level_ground();
+
   RadarMode mode_;
   int delays_;
   double over_noise_root_;
@@ -85,6 +92,8 @@ class DopplerPlan {
   DopplerResponse response_;
   std::vector<double> turns_a_hz_;
   std::vector<float> level_sine_;
+  std::vector<float> level_cells_a_hz_;
+  std::vector<CellSpan> level_spans_;
 };
 
 }  // namespace obliq

@@ -61,7 +61,8 @@ DopplerResponse::DopplerResponse(const RadarSettings& settings) {
   add_polynomials(values, !is_sar);
 }
 
-/// Each through the five values from two steps of polynomials before it to two behind it.
+/// Each through the five values from two steps of polynomials before it to two behind it. On either side one
+/// more, where the response has ended.
 void DopplerResponse::add_polynomials(const std::vector<double>& values, bool goes_on) {
   constexpr std::ptrdiff_t kEach = kStepsACell / DopplerTable::kPolynomialsACell;
   const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
@@ -70,7 +71,10 @@ void DopplerResponse::add_polynomials(const std::vector<double>& values, bool go
     if (k > last) return goes_on ? values[static_cast<std::size_t>(2 * last - k)] : 0.0;
     return values[static_cast<std::size_t>(k)];
   };
-  for (std::ptrdiff_t k = 0; k <= last; k += kEach) {
+  const std::ptrdiff_t n = last / kEach;
+  polynomials_.assign(static_cast<std::size_t>(DopplerTable::kTerms * (2 * n + 3)), 0);
+  auto to = polynomials_.begin() + DopplerTable::kTerms;
+  for (std::ptrdiff_t k = -n * kEach; k <= n * kEach; k += kEach) {
     // Newton's differences about the middle (Stirling's formula), in steps of polynomials.
     const double m2 = value(k - 2 * kEach), m1 = value(k - kEach), at = value(k), p1 = value(k + kEach),
                  p2 = value(k + 2 * kEach);
@@ -80,15 +84,17 @@ void DopplerResponse::add_polynomials(const std::vector<double>& values, bool go
     const double fourth = ((p2 + m2) - 4 * (p1 + m1) + 6 * at) / 24;
     double scale = 1;
     for (const double term : {at, first, second, third, fourth}) {
-      polynomials_.push_back(static_cast<float>(term * scale));
+      *to++ = static_cast<float>(term * scale);
       scale *= DopplerTable::kPolynomialsACell;
     }
   }
 }
 
 DopplerTable DopplerResponse::table() const {
-  return {steps_.data(), static_cast<float>(steps_.size() - 2), polynomials_.data(),
-          static_cast<int>(polynomials_.size() / DopplerTable::kTerms) - 1};
+  const std::size_t on_a_side = polynomials_.size() / DopplerTable::kTerms / 2;
+  return {steps_.data(), static_cast<float>(steps_.size() - 2),
+          polynomials_.data() + DopplerTable::kTerms * on_a_side, static_cast<int>(on_a_side) - 1,
+          static_cast<float>(period_cells_)};
 }
 
 double DopplerResponse::at(double cells) const {

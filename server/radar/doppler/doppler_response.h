@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/radar/settings.h"
-#include "server/radar/simd/doppler_sums.h"
+#include "server/radar/simd/sharpened_sum.h"
 #include "server/radar/taper.h"
 
 namespace obliq {
@@ -32,18 +32,18 @@ class DopplerResponse {
   // Numbers of a table of so many cells.
   static std::int64_t n_steps(std::int64_t cells) { return cells * DopplerTable::kStepsACell + 2; }
   static std::int64_t n_terms(std::int64_t cells) {
-    return DopplerTable::kTerms * (cells * DopplerTable::kPolynomialsACell + 1);
+    return DopplerTable::kTerms * (2 * (cells * DopplerTable::kPolynomialsACell + 1) + 1);
   }
+  /// Valid as long as this is.
   DopplerTable table() const;
-  /// Cells after which it begins anew, and is even about the middle, where the table ends; 0: it ends there.
-  int period_cells() const { return period_cells_; }
 
  private:
   void add_polynomials(const std::vector<double>& values, bool goes_on);
 
-  int period_cells_ = 0;
+  int period_cells_ =
+      0;  ///< after which it begins anew, even about the middle, where the table ends; 0: it ends there
   std::vector<float> steps_;        // and one more
-  std::vector<float> polynomials_;  // [..][kTerms]
+  std::vector<float> polynomials_;  // [..][kTerms], that about 0 cells in the middle
 };
 
 }  // namespace obliq

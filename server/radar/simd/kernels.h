@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "server/radar/simd/bin_samples.h"
+#include "server/radar/simd/cancelled_sums.h"
 #include "server/radar/simd/circles.h"
 #include "server/radar/simd/cut_at_bins.h"
-#include "server/radar/simd/doppler_sums.h"
 #include "server/radar/simd/face_voltages.h"
 #include "server/radar/simd/ground_echoes.h"
 #include "server/radar/simd/ground_plates.h"
@@ -13,8 +13,10 @@
 #include "server/radar/simd/profiles.h"
 #include "server/radar/simd/pulse_sums.h"
 #include "server/radar/simd/rays.h"
+#include "server/radar/simd/row_doppler.h"
 #include "server/radar/simd/rows.h"
 #include "server/radar/simd/sea_texture.h"
+#include "server/radar/simd/sharpened_sum.h"
 #include "server/radar/simd/sub_columns.h"
 
 namespace obliq {
