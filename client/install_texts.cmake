@@ -2,7 +2,7 @@
 # Headers are installed as obliq/client/... and obliq/proto/..., and include each other so: no user's folder of such a name
 # is in the way.
 file(GLOB headers RELATIVE "@PROJECT_SOURCE_DIR@"
-  "@PROJECT_SOURCE_DIR@/client/*.h" "@PROJECT_SOURCE_DIR@/proto/*.h" "@PROJECT_SOURCE_DIR@/client/examples/*.cpp")
+  "@PROJECT_SOURCE_DIR@/client/*.h" "@PROJECT_SOURCE_DIR@/client/recording/*.h" "@PROJECT_SOURCE_DIR@/proto/*.h" "@PROJECT_SOURCE_DIR@/client/examples/*.cpp")
 foreach(header IN LISTS headers)
   file(READ "@PROJECT_SOURCE_DIR@/${header}" text)
   string(REGEX REPLACE "#include \"(client|proto)/" "#include \"obliq/\\1/" text "${text}")

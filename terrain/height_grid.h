@@ -12,7 +12,7 @@ namespace obliq {
 constexpr double kGridQuantum_m = 1.0 / 32;
 
 /// Height at (s, t), each 0..1, of a cell with these heights at its nodes (i, j), (i + 1, j), (i, j + 1) and
-/// (i + 1, j + 1). Of one place, or of eight (server/radar/simd/lanes.h says why it is always inlined).
+/// (i + 1, j + 1). Of one place, or of eight (server/radar/simd/lanes/lanes.h says why it is always inlined).
 template <typename Real>
 [[gnu::always_inline]] inline Real height_on_triangles(Real y00, Real y10, Real y01, Real y11, Real s,
                                                        Real t) {

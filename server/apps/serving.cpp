@@ -7,10 +7,11 @@ namespace obliq {
 namespace {
 
 void check_port(const ServerConfig& server, const std::string& address_key, const std::string& address) {
-  net::require_protection(address_key, address,
-                          {{"TLS (server.tls_certificate, server.tls_key)", !server.tls_certificate.empty()},
-                           {"tokens (server.tokens)", !server.tokens.empty()}},
-                          "server.unprotected", server.unprotected);
+  security::require_protection(
+      address_key, address,
+      {{"TLS (server.tls_certificate, server.tls_key)", !server.tls_certificate.empty()},
+       {"tokens (server.tokens)", !server.tokens.empty()}},
+      "server.unprotected", server.unprotected);
 }
 
 }  // namespace
@@ -26,7 +27,8 @@ net::ServerOptions serving_options(const SceneConfig& config) {
   return options;
 }
 
-http::HttpOptions http_options(const SceneConfig& config, std::shared_ptr<const net::Security> security) {
+http::HttpOptions http_options(const SceneConfig& config,
+                               std::shared_ptr<const security::Security> security) {
   http::HttpOptions options;
   options.security = std::move(security);
   options.address = config.http.address;
@@ -46,8 +48,9 @@ void check_protection(const SceneConfig& config) {
 }
 
 std::vector<std::string> address_warnings(const SceneConfig& config) {
-  const bool reaches_stream = !net::resolves_to_loopback(config.server.address);
-  if (!config.http.enabled || !reaches_stream || !net::resolves_to_loopback(config.http.address)) return {};
+  const bool reaches_stream = !security::resolves_to_loopback(config.server.address);
+  if (!config.http.enabled || !reaches_stream || !security::resolves_to_loopback(config.http.address))
+    return {};
   return {"server.address = " + config.server.address +
           " serves other machines, http.address = " + config.http.address +
           " does not: they reach neither the page nor its stream nor /metrics; "
@@ -56,9 +59,9 @@ std::vector<std::string> address_warnings(const SceneConfig& config) {
           "\" opens these too, and http.names takes the name by which browsers call this machine"};
 }
 
-std::shared_ptr<net::Security> server_security(const ServerConfig& server) {
-  return std::make_shared<net::Security>(
-      net::SecurityFiles{server.tokens, server.tls_certificate, server.tls_key});
+std::shared_ptr<security::Security> server_security(const ServerConfig& server) {
+  return std::make_shared<security::Security>(
+      security::SecurityFiles{server.tokens, server.tls_certificate, server.tls_key});
 }
 
 }  // namespace obliq

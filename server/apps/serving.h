@@ -14,7 +14,7 @@ namespace obliq {
 net::ServerOptions serving_options(const SceneConfig& config);
 
 /// What [http] says.
-http::HttpOptions http_options(const SceneConfig& config, std::shared_ptr<const net::Security> security);
+http::HttpOptions http_options(const SceneConfig& config, std::shared_ptr<const security::Security> security);
 
 /// A port that other machines can reach needs TLS and tokens, or server.unprotected: the stream's, and HTTP's
 /// where it is enabled; both go by the tokens. Throws InputError.
@@ -24,6 +24,6 @@ void check_protection(const SceneConfig& config);
 std::vector<std::string> address_warnings(const SceneConfig& config);
 
 /// Certificate, key and tokens, for all ports to share. Throws InputError that names file and reason.
-std::shared_ptr<net::Security> server_security(const ServerConfig& server);
+std::shared_ptr<security::Security> server_security(const ServerConfig& server);
 
 }  // namespace obliq

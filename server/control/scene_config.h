@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "server/control/sections/log.h"
 #include "server/control/sections/modbus.h"
 #include "server/control/sections/radar.h"
 #include "server/control/sections/run.h"
 #include "server/control/sections/server.h"
 #include "server/control/sections/target_config.h"
+#include "server/log/log_config.h"
 #include "server/scene/materials.h"
 #include "server/scene/ray_method.h"
 #include "terrain/world_spec.h"

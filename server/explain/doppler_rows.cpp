@@ -11,7 +11,7 @@
 #include "server/radar/doppler/wind.h"
 #include "server/radar/pulses/pulse_times.h"
 #include "server/radar/pulses/render_train.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"
 

@@ -8,7 +8,7 @@
 #include "server/radar/receiver/noise.h"
 #include "server/radar/receiver/receiver.h"
 #include "server/radar/receiver/video.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"
 

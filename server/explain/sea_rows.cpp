@@ -9,7 +9,7 @@
 #include "server/radar/echo/sea_clutter.h"
 #include "server/radar/echo/sea_echo.h"
 #include "server/radar/echo/sea_texture.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/units.h"
 
 namespace obliq {

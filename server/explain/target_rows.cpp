@@ -5,7 +5,7 @@
 #include "server/explain/detection.h"
 #include "server/explain/explanation.h"
 #include "server/radar/receiver/noise.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "server/radar/targets/target_echoes.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"

@@ -44,7 +44,7 @@ bool is_address(std::string_view host) {
   return !error;
 }
 
-bool may_read(const Route& route, std::string_view authorization, const net::Security* security) {
+bool may_read(const Route& route, std::string_view authorization, const security::Security* security) {
   if (route.is_open || security == nullptr || !security->needs_token()) return true;
   constexpr std::string_view kScheme = "Bearer ";  // RFC 6750; schemes are written in any case (RFC 9110)
   const std::string_view scheme = authorization.substr(0, kScheme.size());
@@ -138,7 +138,7 @@ std::optional<Page> foreign_page(const Asked& asked, const Site& site) {
                        shown(asked.origin), site.tls ? "https" : "http", asked.host));
 }
 
-Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security) {
+Page page_of(const Asked& asked, const std::vector<Route>& routes, const security::Security* security) {
   const std::string_view path = path_of(asked.target);
   for (const Route& route : routes) {
     if (route.path != path) continue;

@@ -74,7 +74,7 @@ struct Asked {
 std::optional<Page> foreign_page(const Asked& asked, const Site& site);
 
 /// `security` null: every client may read.
-Page page_of(const Asked& asked, const std::vector<Route>& routes, const net::Security* security);
+Page page_of(const Asked& asked, const std::vector<Route>& routes, const security::Security* security);
 
 /// Of "/metrics?x=1" and of the absolute form "http://host/metrics", which servers must accept (RFC 9112
 /// section 3.2.2): "/metrics".

@@ -19,7 +19,7 @@
 
 #include "server/http/answering.h"
 #include "server/log/service_log.h"
-#include "server/net/result_of.h"
+#include "server/net/requests/result_of.h"
 #include "server/net/socket_transport.h"
 #include "server/net/tcp.h"
 #include "server/security/networks.h"
@@ -47,7 +47,7 @@ using Clock = asio::steady_timer::clock_type;
 struct Connection : std::enable_shared_from_this<Connection> {
   Connection(asio::io_context& io, std::unique_ptr<SocketTransport> from)
       : peer(from->address()),
-        network(net::network_of(from->host())),
+        network(security::network_of(from->host())),
         transport(std::move(from)),
         deadline(io) {}
 
@@ -196,7 +196,7 @@ asio::awaitable<void> HttpServer::State::accept() {
 }
 
 ConnectionPtr HttpServer::State::admit(tcp::socket socket) {
-  const std::string network = net::network_of(net::host_of_peer(socket.native_handle()));
+  const std::string network = security::network_of(net::host_of_peer(socket.native_handle()));
   const std::string limit = limit_reached(network);
   if (!limit.empty() && !make_room(network, limit)) {
     turn_away(std::move(socket), limit);
@@ -229,7 +229,7 @@ bool HttpServer::State::make_room(const std::string& network, const std::string&
     if (!c->asked && !c->gone && (limit == kMostConnections || c->network == network))
       idle.push_back(c->network);
   if (idle.empty()) return false;
-  const std::string most = net::most_crowded(idle);
+  const std::string most = security::most_crowded(idle);
   const ConnectionPtr oldest = *std::ranges::find_if(
       open, [&](const ConnectionPtr& c) { return !c->asked && !c->gone && c->network == most; });
   const LogFields fields{{"client", oldest->peer}};

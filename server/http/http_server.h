@@ -11,8 +11,11 @@ namespace boost::asio {
 class io_context;
 }
 
-namespace obliq::net {
+namespace obliq::security {
 class Security;
+}
+
+namespace obliq::net {
 class SocketTransport;
 }  // namespace obliq::net
 
@@ -51,9 +54,9 @@ struct HttpOptions {
   std::vector<std::string> names;        ///< see Site; `address` is one as well
   std::vector<std::string> origins;      ///< see Site
   std::uint32_t max_header_bytes = 8192;
-  int max_requests = 1000;                        ///< on one connection
-  std::shared_ptr<const net::Security> security;  ///< certificate and tokens; null: none
-  double dead_after_s = 60;                       ///< see net::watch_for_dead_peer
+  int max_requests = 1000;                             ///< on one connection
+  std::shared_ptr<const security::Security> security;  ///< certificate and tokens; null: none
+  double dead_after_s = 60;                            ///< see net::watch_for_dead_peer
   double timeout_s = 10;  ///< for a header to arrive, for an answer to be taken, between two requests
 };
 

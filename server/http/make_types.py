@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes wire.d.ts, the types of proto/obliq.proto's messages as the page reads and writes them, from protoc's descriptors.
 
   make_types.py [--protoc PROGRAM] [--check]

@@ -222,7 +222,7 @@ Metrics::~Metrics() = default;
 
 void Metrics::add_radar(const std::string& radar) { (void)state_->of(radar); }
 
-void Metrics::frame(const std::string& radar, const net::RenderedFrame& frame) {
+void Metrics::frame(const std::string& radar, const rendering::RenderedFrame& frame) {
   const RadarMetrics& metrics = state_->of(radar);
   metrics.frames.Increment();
   metrics.rays.Increment(static_cast<double>(frame.rays));

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "server/control/sections/log.h"
+#include "server/log/log_config.h"
 
 namespace obliq {
 

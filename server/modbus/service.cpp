@@ -126,7 +126,7 @@ struct Service::State {
   }
 
   std::string why_not(const std::string& host, int fd) const {
-    if (!config.allow.empty() && !net::is_within(host, config.allow))
+    if (!config.allow.empty() && !security::is_within(host, config.allow))
       return "modbus.allow does not list its address";
     if (masters.size() >= static_cast<std::size_t>(config.max_masters))
       return fmt::format("modbus.max_masters is {}", config.max_masters);

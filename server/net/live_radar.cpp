@@ -25,14 +25,14 @@ constexpr double kLastChance_s = 0.5;
 std::map<std::uint64_t, HeldFrame> held_frames(LiveRadar& radar) {
   std::map<std::uint64_t, HeldFrame> frames;
   for (Watcher& watcher : radar.watchers) {
-    const FrameQueue* queue = watcher.peer->outbox.queue(radar.stream_id);
+    const stream::FrameQueue* queue = watcher.peer->outbox.queue(radar.stream_id);
     if (queue == nullptr) continue;
     for (std::size_t i = 0; i < queue->held(); ++i) {
-      const FrameQueue::Held held = queue->held(i);
+      const stream::FrameQueue::Held held = queue->held(i);
       HeldFrame& frame = frames[held.frame_id];
       frame.holders.push_back(&watcher);
       frame.begun |= held.begun;
-      frame.lossless |= queue->policy() == QueuePolicy::lossless;
+      frame.lossless |= queue->policy() == stream::QueuePolicy::lossless;
     }
   }
   return frames;
@@ -46,13 +46,13 @@ void give_up(const LiveRadar& radar, std::uint64_t frame_id, const HeldFrame& fr
 }
 
 /// Why a client that holds the oldest frame must be closed; empty: it may stay.
-std::string offence(const FrameQueue& queue, std::uint64_t oldest, const ServerOptions& options) {
-  if (queue.policy() == QueuePolicy::lossless &&
+std::string offence(const stream::FrameQueue& queue, std::uint64_t oldest, const ServerOptions& options) {
+  if (queue.policy() == stream::QueuePolicy::lossless &&
       seconds_since(queue.last_progress()) > options.lossless_limit_s)
     return "the client reads too slowly: lossless, and nothing taken for stream.lossless_limit_s";
   for (std::size_t i = 0; i < queue.held(); ++i) {
-    const FrameQueue::Held held = queue.held(i);
-    if (held.frame_id == oldest && queue.policy() == QueuePolicy::newest_wins &&
+    const stream::FrameQueue::Held held = queue.held(i);
+    if (held.frame_id == oldest && queue.policy() == stream::QueuePolicy::newest_wins &&
         seconds_since(held.since) > options.stall_timeout_s)
       return "the client reads too slowly: it has held up the radar's oldest frame for longer than "
              "server.stall_timeout_s";
@@ -62,7 +62,7 @@ std::string offence(const FrameQueue& queue, std::uint64_t oldest, const ServerO
 
 }  // namespace
 
-LiveView LiveRadar::shown() const { return view().at(monotonic_ns()); }
+rendering::LiveView LiveRadar::shown() const { return view().at(stream::monotonic_ns()); }
 
 void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
   const auto frames = held_frames(radar);
@@ -78,12 +78,12 @@ void relieve(LiveRadar& radar, const ServerOptions& options, double held_up_s) {
   }
   const auto& [oldest, frame] = *frames.begin();
   for (Watcher* watcher : frame.holders) {
-    const FrameQueue* queue = watcher->peer->outbox.queue(radar.stream_id);
+    const stream::FrameQueue* queue = watcher->peer->outbox.queue(radar.stream_id);
     const std::string reason = queue == nullptr ? "" : offence(*queue, oldest, options);
     if (reason.empty()) continue;
     if (watcher->accused_frame != oldest) {
       watcher->accused_frame = oldest;
-      watcher->accused = FrameQueue::Clock::now();
+      watcher->accused = stream::FrameQueue::Clock::now();
     }
     if (seconds_since(watcher->accused) > kLastChance_s)
       watcher->peer->fail(wire::ErrorNumber::reads_too_slowly, reason);

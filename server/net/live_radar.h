@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "server/control/mount.h"
 #include "server/control/sections/radar.h"
 #include "server/control/settings_message.h"
 #include "server/net/claims.h"
 #include "server/net/options.h"
 #include "server/net/peer.h"
-#include "server/net/platform.h"
 #include "server/rendering/demand.h"
 
 namespace obliq::net {
@@ -17,7 +17,7 @@ namespace obliq::net {
 /// A client that watches a radar.
 struct Watcher {
   Peer* peer = nullptr;
-  Demand demand;
+  rendering::Demand demand;
   std::uint64_t accused_frame = 0;                  ///< the oldest frame when it was last found too slow
   std::chrono::steady_clock::time_point accused{};  ///< since when it has held that frame up
   bool window_lost = false;  ///< it has been told that its window lies outside the frame
@@ -27,6 +27,16 @@ struct Watcher {
 struct RadarSwitches {
   std::optional<bool> transmit;
   std::optional<bool> freeze;
+};
+
+struct LiveRadar;
+
+/// What live radars ride on: one pose moves all of them. It is held as their poses are, all together.
+struct Platform {
+  std::string name;
+  PoseSettings initial;  ///< as the scene file has it
+  PoseSettings pose;     ///< the newest, as it was sent
+  std::vector<LiveRadar*> radars;
 };
 
 /// A named radar that clients share.
@@ -71,9 +81,11 @@ struct LiveRadar {
   /// Forgets the heading that poses gave; a platform always has one.
   void forget_heading() { has_heading = platform != nullptr; }
   std::size_t number() const { return stream_id - 1; }  ///< of the render thread
-  LiveView view() const { return {settings.current(), pose, pose_received_ns, poses, false, initial.mount}; }
+  rendering::LiveView view() const {
+    return {settings.current(), pose, pose_received_ns, poses, false, initial.mount};
+  }
   /// Where it looks now, as its gimbal lets it.
-  LiveView shown() const;
+  rendering::LiveView shown() const;
 };
 
 /// A radar's next frame is due and has been waiting for `held_up_s`, because as many frames as may be wait

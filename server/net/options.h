@@ -14,9 +14,11 @@
 #include "server/rendering/rendered.h"
 #include "server/security/token_file.h"
 
-namespace obliq::net {
-
+namespace obliq::security {
 class Security;
+}
+
+namespace obliq::net {
 
 /// Of a subscription: a frame in a quarter of an hour. Much lower rates would overflow the clock.
 inline constexpr double kLeastRate_hz = 0.001;
@@ -29,7 +31,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::string server_version;
   std::string scene_name;
 
-  std::shared_ptr<Security> security;                ///< null: no TLS, no tokens, every client is admin
+  std::shared_ptr<security::Security> security;      ///< null: no TLS, no tokens, every client is admin
   TruthRole truth_role = ServerConfig{}.truth_role;  ///< needed for the places of targets
 
   std::uint32_t max_hello_bytes = wire::kMaxHelloBytes;  ///< of any message before Hello is answered
@@ -60,12 +62,14 @@ struct ServerOptions : ServerLimits, StreamConfig {
   /// State of the loading of scenes while serving; for Status.
   std::function<KeeperState()> keeper_state;
   /// Told of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
-  std::function<void(const std::string&, const RenderedFrame&)> on_frame;
+  std::function<void(const std::string&, const rendering::RenderedFrame&)> on_frame;
   std::function<void(const RenderedRequest&)> on_request_frame;  ///< the same of RenderOnce frames
 };
 
 /// Who may have the places of targets.
-inline Role truth_role(const ServerOptions& options) { return static_cast<Role>(options.truth_role); }
+inline security::Role truth_role(const ServerOptions& options) {
+  return static_cast<security::Role>(options.truth_role);
+}
 
 // What the network side counts, for status and metrics.
 

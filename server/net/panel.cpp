@@ -9,7 +9,7 @@
 #include "server/control/settings_message.h"
 #include "server/net/aim.h"
 #include "server/net/peer.h"
-#include "server/net/requests.h"
+#include "server/net/requests/requests.h"
 #include "server/net/room.h"
 #include "server/radar/frame_plan.h"
 #include "server/stream/frame_encoder.h"
@@ -206,7 +206,7 @@ PanelStatus Panel::look(std::size_t index, const RoomStatistics& all) {
   status.transmit = radar.transmit;
   status.frozen = radar.frozen;
   status.exercise_frozen = room_.exercise().is_frozen();
-  const PoseAt now_at = radar.poses->at(monotonic_ns());
+  const PoseAt now_at = radar.poses->at(stream::monotonic_ns());
   status.pose_stale = now_at.stale;
   status.at_gimbal_limit = !limit_met(radar.initial.mount, settings->settings, now_at.pose).empty();
   if (const Peer* flyer = radar.claims.holder(wire::Claim::pose)) status.controller = flyer->name;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "server/control/parameters.h"
-#include "server/net/request_limits.h"
+#include "server/net/requests/request_limits.h"
 #include "terrain/base/errors.h"
 
 namespace obliq::net {

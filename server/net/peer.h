@@ -66,14 +66,14 @@ class Peer {
   std::string name;                ///< as shown to others: what it calls itself, and where it is
   bool greeted = false;            ///< Hello has been answered
   bool has_left = false;           ///< its connection has ended; the room forgets it soon
-  Role role = Role::viewer;
-  std::optional<TokenDigest> credential;  ///< its token, where tokens are configured
-  Outbox outbox;
+  security::Role role = security::Role::viewer;
+  std::optional<security::TokenDigest> credential;  ///< its token, where tokens are configured
+  stream::Outbox outbox;
   bool follows_events = false;  ///< gets each event of the exercise
   int subscriptions = 0;
   std::vector<FrameRequestPtr> renders;  ///< not finished
   int queries = 0;                       ///< of the ground, not answered
-  AppraisalPtr appraisal;                ///< that is under way
+  rendering::AppraisalPtr appraisal;     ///< that is under way
   std::deque<KeptRequest> in_turn;       ///< the request that it is for, and those that come after it
 
   // For the log:

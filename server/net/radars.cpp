@@ -7,9 +7,9 @@
 
 #include "proto/obliq.pb.h"
 #include "server/log/service_log.h"
-#include "server/net/exercise_log.h"
+#include "server/net/exercise/exercise_log.h"
 #include "server/net/peer.h"
-#include "server/net/requests.h"
+#include "server/net/requests/requests.h"
 #include "server/stream/frame_encoder.h"
 
 namespace obliq::net {
@@ -24,8 +24,8 @@ constexpr std::chrono::seconds kFaultPause{1};
 
 }  // namespace
 
-Radars::Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render,
-               ExerciseLog& log)
+Radars::Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars,
+               rendering::RenderThread& render, ExerciseLog& log)
     : options_(options), render_(render), log_(log) {
   for (const RadarConfig& config : radars) {
     LiveRadar& radar = radars_.emplace_back(config, static_cast<std::uint32_t>(radars_.size() + 1));
@@ -59,11 +59,12 @@ void Radars::unsubscribe(LiveRadar& radar, const Peer& peer) {
   update_demand(radar);
 }
 
-void Radars::watch(LiveRadar& radar, Peer& peer, Demand demand) {
+void Radars::watch(LiveRadar& radar, Peer& peer, rendering::Demand demand) {
   demand.watch_id = ++last_watch_id_;
   ++peer.subscriptions;
-  peer.outbox.open_live_queue(radar.stream_id, demand.choice,
-                              demand.lossless ? QueuePolicy::lossless : QueuePolicy::newest_wins);
+  peer.outbox.open_live_queue(
+      radar.stream_id, demand.choice,
+      demand.lossless ? stream::QueuePolicy::lossless : stream::QueuePolicy::newest_wins);
   radar.watchers.push_back({&peer, std::move(demand)});
   update_demand(radar);
 }
@@ -71,8 +72,8 @@ void Radars::watch(LiveRadar& radar, Peer& peer, Demand demand) {
 void Radars::watch_as_the_role_allows(LiveRadar& radar, Peer& peer) {
   const auto at = std::ranges::find(radar.watchers, &peer, &Watcher::peer);
   if (at == radar.watchers.end()) return;
-  Demand demand = at->demand;
-  demand.lossless &= peer.role >= Role::controller;
+  rendering::Demand demand = at->demand;
+  demand.lossless &= peer.role >= security::Role::controller;
   if (peer.role < truth_role(options_)) {
     demand.choice.truth = false;
     demand.choice.planes &= static_cast<wire::PlaneSet>(~wire::kTargetPlane);
@@ -85,7 +86,7 @@ void Radars::watch_as_the_role_allows(LiveRadar& radar, Peer& peer) {
   const bool is_over = demand.choice.planes == 0;
   unsubscribe(radar, peer);
   if (!is_over) watch(radar, peer, std::move(demand));
-  const std::string text = "the token's role is " + std::string(role_name(peer.role)) +
+  const std::string text = "the token's role is " + std::string(security::role_name(peer.role)) +
                            " now: the subscription no longer has " + lost +
                            (is_over ? ", and has ended" : "");
   peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low, text, {}, radar.name));
@@ -114,9 +115,9 @@ void Radars::check_windows(LiveRadar& radar) const {
 
 void Radars::update_demand(LiveRadar& radar) {
   radar.rate_hz = 0;
-  std::vector<Demand> demands;
+  std::vector<rendering::Demand> demands;
   for (const Watcher& watcher : radar.watchers) {
-    Demand demand = watcher.demand;
+    rendering::Demand demand = watcher.demand;
     if (radar.rate_limit_hz > 0) demand.rate_hz = std::min(demand.rate_hz, radar.rate_limit_hz);
     radar.rate_hz = std::max(radar.rate_hz, demand.rate_hz);
     demands.push_back(std::move(demand));
@@ -189,16 +190,16 @@ void Radars::forget(Peer& peer) {
 
 void Radars::check_role(Peer& peer) {
   for (LiveRadar& radar : radars_) watch_as_the_role_allows(radar, peer);
-  if (peer.role >= Role::controller) return;
+  if (peer.role >= security::Role::controller) return;
   for (LiveRadar& radar : radars_) {
     const wire::ClaimSet released = release(radar, wire::kEveryClaim, peer);
     if (released == 0) continue;
     spdlog::warn("radar {}: {} released, the role of {} is {} now", radar.name, wire::claim_names(released),
-                 peer.name, role_name(peer.role));
+                 peer.name, security::role_name(peer.role));
     peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low,
                                              "control of radar " + radar.name +
                                                  " needs the role controller; this client's token gives " +
-                                                 std::string(role_name(peer.role)) + " now",
+                                                 std::string(security::role_name(peer.role)) + " now",
                                              {}, radar.name));
   }
 }
@@ -215,7 +216,7 @@ void Radars::publish_view(LiveRadar& radar) {
 }
 
 bool Radars::take_pose(LiveRadar& radar, const PoseSettings& pose, bool has_sim_time) {
-  const std::int64_t now_ns = monotonic_ns();
+  const std::int64_t now_ns = stream::monotonic_ns();
   if (has_sim_time) {
     if (!radar.poses->add(pose, now_ns)) return false;
   } else {
@@ -234,7 +235,7 @@ void Radars::aim(LiveRadar& radar, const PoseSettings& as) {
 }
 
 void Radars::hold_view(const LiveRadar& radar) {
-  LiveView held = radar.shown();
+  rendering::LiveView held = radar.shown();
   held.poses = nullptr;
   render_.set_view(radar.number(), std::move(held));
 }
@@ -314,15 +315,16 @@ void Radars::note_ground(LiveRadar& radar, const std::string& warning) {
   }
 }
 
-void Radars::deliver(std::size_t number, const LiveFramePtr& frame, const std::vector<BlockPtr>& blocks) {
+void Radars::deliver(std::size_t number, const stream::LiveFramePtr& frame,
+                     const std::vector<stream::BlockPtr>& blocks) {
   for (const Watcher& watcher : radars_[number].watchers) {
     if (!frame->is_for(watcher.demand.watch_id)) continue;
-    for (const BlockPtr& block : blocks) watcher.peer->outbox.push(block, frame);
+    for (const stream::BlockPtr& block : blocks) watcher.peer->outbox.push(block, frame);
     watcher.peer->kick();
   }
 }
 
-void Radars::count(std::size_t number, const RenderedFrame& frame) {
+void Radars::count(std::size_t number, const rendering::RenderedFrame& frame) {
   LiveRadar& radar = radars_[number];
   ++radar.frames;
   radar.last_render_s = frame.render_s;
@@ -338,7 +340,8 @@ void Radars::relieve(std::size_t number, double held_up_s) {
   net::relieve(radars_[number], options_, held_up_s);
 }
 
-void Radars::note_fault(std::size_t number, const LiveView& view, const std::vector<FieldError>& errors) {
+void Radars::note_fault(std::size_t number, const rendering::LiveView& view,
+                        const std::vector<FieldError>& errors) {
   LiveRadar& radar = radars_[number];
   // Its controller may have corrected it in the meantime.
   if (!radar.frozen) {

@@ -17,18 +17,18 @@ class ExerciseLog;
 class Radars {
  public:
   /// The options and the render thread, to which the radars are added, must outlive this.
-  Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars, RenderThread& render,
-         ExerciseLog& log);
+  Radars(const ServerOptions& options, const std::vector<RadarConfig>& radars,
+         rendering::RenderThread& render, ExerciseLog& log);
 
   const std::deque<LiveRadar>& all() const { return radars_; }
   LiveRadar& at(std::size_t number) { return radars_.at(number); }
   LiveRadar* find(const std::string& name);
   std::deque<Platform>& platforms() { return platforms_; }
   Platform* find_platform(const std::string& name);
-  LiveStream::Load load(const LiveRadar& radar) const { return render_.load(radar.number()); }
+  rendering::LiveStream::Load load(const LiveRadar& radar) const { return render_.load(radar.number()); }
 
   // Watchers:
-  void watch(LiveRadar& radar, Peer& peer, Demand demand);
+  void watch(LiveRadar& radar, Peer& peer, rendering::Demand demand);
   void unsubscribe(LiveRadar& radar, const Peer& peer);
   /// After a change of watchers, of transmit or of the rate limit.
   void update_demand(LiveRadar& radar);
@@ -69,10 +69,11 @@ class Radars {
   static void note_ground(LiveRadar& radar, const std::string& warning);
 
   // What the render thread has told:
-  void deliver(std::size_t number, const LiveFramePtr& frame, const std::vector<BlockPtr>& blocks);
-  void count(std::size_t number, const RenderedFrame& frame);
+  void deliver(std::size_t number, const stream::LiveFramePtr& frame,
+               const std::vector<stream::BlockPtr>& blocks);
+  void count(std::size_t number, const rendering::RenderedFrame& frame);
   void relieve(std::size_t number, double held_up_s);
-  void note_fault(std::size_t number, const LiveView& view, const std::vector<FieldError>& errors);
+  void note_fault(std::size_t number, const rendering::LiveView& view, const std::vector<FieldError>& errors);
 
  private:
   void set_view(LiveRadar& radar);
@@ -85,7 +86,7 @@ class Radars {
   void watch_as_the_role_allows(LiveRadar& radar, Peer& peer);
 
   const ServerOptions& options_;
-  RenderThread& render_;
+  rendering::RenderThread& render_;
   ExerciseLog& log_;
   std::deque<LiveRadar> radars_;  ///< a deque: radars stay where they are
   std::deque<Platform> platforms_;

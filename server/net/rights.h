@@ -12,10 +12,10 @@ namespace obliq::net {
 struct Right {
   wire::MessageType request;
   std::string_view name;
-  Role role = Role::viewer;   ///< that its token must give at least
-  wire::ClaimSet claims = 0;  ///< that its client must hold, of the radar or of the world
-  bool admin_always = false;  ///< an admin needs none of them
-  bool truth = false;         ///< takes server.truth_role too
+  security::Role role = security::Role::viewer;  ///< that its token must give at least
+  wire::ClaimSet claims = 0;                     ///< that its client must hold, of the radar or of the world
+  bool admin_always = false;                     ///< an admin needs none of them
+  bool truth = false;                            ///< takes server.truth_role too
 };
 
 /// In the order in which the log names them.

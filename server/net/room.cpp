@@ -9,7 +9,7 @@
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
 #include "server/log/service_log.h"
-#include "server/net/requests.h"
+#include "server/net/requests/requests.h"
 #include "server/rendering/replay_control.h"
 #include "server/security/networks.h"
 #include "server/security/security.h"
@@ -21,8 +21,8 @@ namespace obliq::net {
 using wire::ErrorNumber;
 using wire::MessageType;
 
-Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars,
-           Post post)
+Room::Room(const rendering::FrameRenderer& renderer, ServerOptions options,
+           const std::vector<RadarConfig>& radars, Post post)
     : renderer_(renderer),
       options_(std::move(options)),
       post_(std::move(post)),
@@ -34,7 +34,7 @@ Room::Room(const FrameRenderer& renderer, ServerOptions options, const std::vect
       radars_(options_, radars, render_, log_),
       targets_(options_, render_, log_, post_) {
   set_limits(options_);
-  if (!options_.security) options_.security = std::make_shared<Security>();
+  if (!options_.security) options_.security = std::make_shared<security::Security>();
   log_.on_event([this](const wire::ExerciseEvent& event) { tell_event(event); });
   if (replay() != nullptr)
     replay()->each_event([this](const wire::ExerciseEvent& event) { log_.note(event); });
@@ -113,7 +113,7 @@ RoomStatistics Room::statistics() const {
     all.queued_bytes += peer->outbox.queued_bytes();
   }
   for (const LiveRadar& radar : radars_.all()) {
-    const LiveStream::Load load = radars_.load(radar);
+    const rendering::LiveStream::Load load = radars_.load(radar);
     all.radars.push_back({radar.name, radar.watchers.size(), radar.rate_hz, radar.coverage,
                           radar.claims.is_any_held(), !radar.faults.empty(), load.live_frames,
                           load.live_bytes, load.spare_bytes, load.frames_shed});
@@ -178,9 +178,10 @@ std::optional<Room::NoPlace> Room::no_place_for(const Peer& peer) const {
     return NoPlace{wire::ErrorNumber::too_many_clients,
                    "too many clients: max_clients is " + std::to_string(options_.max_clients)};
   // Of IPv6 the /64 network, which one host can have for itself.
-  const std::string network = network_of(peer.host);
-  const auto from_there = std::ranges::count_if(
-      peers_, [&](const auto& other) { return other->is_client() && network_of(other->host) == network; });
+  const std::string network = security::network_of(peer.host);
+  const auto from_there = std::ranges::count_if(peers_, [&](const auto& other) {
+    return other->is_client() && security::network_of(other->host) == network;
+  });
   if (from_there >= options_.max_clients_per_address)
     return NoPlace{wire::ErrorNumber::too_many_from_address,
                    "too many clients from " + peer.host + ": max_clients_per_address is " +
@@ -191,11 +192,12 @@ std::optional<Room::NoPlace> Room::no_place_for(const Peer& peer) const {
 void Room::make_room_before_hello() {
   std::vector<std::string> waiting;
   for (const auto& peer : peers_)
-    if (peer->is_waiting()) waiting.push_back(network_of(peer->host));
+    if (peer->is_waiting()) waiting.push_back(security::network_of(peer->host));
   if (static_cast<int>(waiting.size()) < options_.max_waiting) return;
-  const std::string most = most_crowded(waiting);
-  const auto oldest = *std::ranges::find_if(
-      peers_, [&](const auto& peer) { return peer->is_waiting() && network_of(peer->host) == most; });
+  const std::string most = security::most_crowded(waiting);
+  const auto oldest = *std::ranges::find_if(peers_, [&](const auto& peer) {
+    return peer->is_waiting() && security::network_of(peer->host) == most;
+  });
   const LogFields fields{{"client", oldest->name}};
   spdlog::warn(
       "{}: has not sent Hello and was closed for a new connection: server.max_waiting is {}; raise that "
@@ -212,13 +214,13 @@ void Room::handle(Peer& peer, MessageType type, std::span<const std::byte> descr
   if (requests.is_kept()) peer.in_turn.push_back({type, {descriptor.begin(), descriptor.end()}});
 }
 
-void Room::appraise(Peer& peer, const AppraisalPtr& appraisal) {
+void Room::appraise(Peer& peer, const rendering::AppraisalPtr& appraisal) {
   appraisal->client_id = peer.id;
   peer.appraisal = appraisal;
   render_.enqueue(appraisal);
 }
 
-void Room::on_appraised(const AppraisalPtr& appraisal, const std::vector<FieldError>& faults) {
+void Room::on_appraised(const rendering::AppraisalPtr& appraisal, const std::vector<FieldError>& faults) {
   post_([this, appraisal, faults] {
     const auto peer = shared_peer(appraisal->client_id);
     if (!peer || peer->has_left || peer->appraisal != appraisal) return;
@@ -246,7 +248,7 @@ void Room::handle_kept(const std::shared_ptr<Peer>& peer, const std::vector<Fiel
   }
 }
 
-void Room::taken(Peer& peer, const Block& block) {
+void Room::taken(Peer& peer, const stream::Block& block) {
   bytes_sent_ += block.sent_bytes(peer.takes_json);
   const bool last = block.type == MessageType::frame_end || block.type == MessageType::frame_abort;
   if (peer.renders.empty() || block.stream_id == 0) return;
@@ -259,8 +261,8 @@ void Room::finish_render(Peer& peer, std::uint32_t stream_id) {
                 [&](const FrameRequestPtr& request) { return request->stream_id == stream_id; });
 }
 
-FrameCost Room::cost_queued() const {
-  FrameCost sum;
+rendering::FrameCost Room::cost_queued() const {
+  rendering::FrameCost sum;
   for (const auto& peer : peers_) {
     for (const FrameRequestPtr& request : peer->renders) {
       sum.pixels += request->cost.pixels;
@@ -272,8 +274,8 @@ FrameCost Room::cost_queued() const {
 }
 
 std::optional<OverLimit> Room::over_live_limit(const RadarSettings& settings, wire::PlaneSet planes) const {
-  const FrameCost cost = renderer_.fixed().empty() ? live_cost(settings, planes, options_)
-                                                   : replay_cost(settings, planes, options_);
+  const rendering::FrameCost cost = renderer_.fixed().empty() ? live_cost(settings, planes, options_)
+                                                              : replay_cost(settings, planes, options_);
   return over_limit(settings, cost, cost_queued().bytes, options_);
 }
 
@@ -335,7 +337,8 @@ void Room::answer_query(std::uint64_t client_id, std::uint64_t request_id, const
   peer->send(MessageType::ground_answer, answer, records);
 }
 
-void Room::on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) {
+void Room::on_live_blocks(std::size_t radar, const stream::LiveFramePtr& frame,
+                          std::vector<stream::BlockPtr> blocks) {
   post_([this, radar, frame, blocks = std::move(blocks)] { radars_.deliver(radar, frame, blocks); });
 }
 
@@ -343,16 +346,16 @@ void Room::on_live_held_up(std::size_t radar, double since_s) {
   post_([this, radar, since_s] { radars_.relieve(radar, since_s); });
 }
 
-void Room::on_live_rendered(std::size_t radar, const RenderedFrame& frame) {
+void Room::on_live_rendered(std::size_t radar, const rendering::RenderedFrame& frame) {
   post_([this, radar, frame] { radars_.count(radar, frame); });
 }
 
-void Room::on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
+void Room::on_live_fault(std::size_t radar, const std::shared_ptr<const rendering::LiveView>& view,
                          const std::vector<FieldError>& errors) {
   post_([this, radar, view, errors] { radars_.note_fault(radar, *view, errors); });
 }
 
-void Room::on_request_block(const FrameRequestPtr& request, const BlockPtr& block) {
+void Room::on_request_block(const FrameRequestPtr& request, const stream::BlockPtr& block) {
   post_([this, request, block] {
     Peer* peer = peer_of(request->client_id);
     if (peer == nullptr) return;

@@ -12,28 +12,28 @@
 #include <vector>
 
 #include "server/ground_query/query_thread.h"
-#include "server/net/exercise.h"
-#include "server/net/exercise_log.h"
+#include "server/net/exercise/exercise.h"
+#include "server/net/exercise/exercise_log.h"
 #include "server/net/options.h"
 #include "server/net/radars.h"
-#include "server/net/request_limits.h"
+#include "server/net/requests/request_limits.h"
 #include "server/net/target_world.h"
 #include "server/rendering/render_thread.h"
 
 namespace obliq::net {
 
-class Room : private RenderEvents {
+class Room : private rendering::RenderEvents {
  public:
   using Clock = std::chrono::steady_clock;
   /// post: runs a function on the io thread, later.
   using Post = std::function<void(std::function<void()>)>;
 
-  Room(const FrameRenderer& renderer, ServerOptions options, const std::vector<RadarConfig>& radars,
-       Post post);
+  Room(const rendering::FrameRenderer& renderer, ServerOptions options,
+       const std::vector<RadarConfig>& radars, Post post);
   ~Room() override;
 
   const ServerOptions& options() const { return options_; }
-  const FrameRenderer& renderer() const { return renderer_; }
+  const rendering::FrameRenderer& renderer() const { return renderer_; }
   Radars& radars() { return radars_; }
   Exercise& exercise() { return exercise_; }
   TargetWorld& targets() { return targets_; }
@@ -83,20 +83,20 @@ class Room : private RenderEvents {
   /// skipped.
   void handle(Peer& peer, wire::MessageType type, std::span<const std::byte> descriptor);
   /// A block has left the peer's outbox.
-  void taken(Peer& peer, const Block& block);
+  void taken(Peer& peer, const stream::Block& block);
   /// A peer is about to be sent its next message: what it is to hear only the newest of goes behind those
   /// that wait. However fast news comes, one a message written is queued.
   void tell_news(Peer& peer);
   /// Queues a checked request; gives it its client and its stream.
   void render_once(Peer& peer, const FrameRequestPtr& request);
   /// Asks the render thread. When it has answered, the peer's kept requests are handled from the first on.
-  void appraise(Peer& peer, const AppraisalPtr& appraisal);
+  void appraise(Peer& peer, const rendering::AppraisalPtr& appraisal);
   /// Has a checked question answered, on another thread.
   void query_ground(Peer& peer, std::uint64_t request_id, std::shared_ptr<const GroundQuestion> question);
   /// Of all clients' unfinished RenderOnce requests.
-  FrameCost cost_queued() const;
+  rendering::FrameCost cost_queued() const;
   /// Of a renderer that replays; null: none.
-  ReplayControl* replay() const { return renderer_.replay(); }
+  rendering::ReplayControl* replay() const { return renderer_.replay(); }
   /// A client has begun to watch, or one has ended.
   void watchers_changed(bool newcomer);
   /// What limit a live radar of such settings would exceed, watched with such planes.
@@ -117,18 +117,19 @@ class Room : private RenderEvents {
   void tell_event(const wire::ExerciseEvent& event);
   void stopped_if_empty();
 
-  void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) override;
+  void on_live_blocks(std::size_t radar, const stream::LiveFramePtr& frame,
+                      std::vector<stream::BlockPtr> blocks) override;
   void on_live_held_up(std::size_t radar, double since_s) override;
-  void on_live_rendered(std::size_t radar, const RenderedFrame& frame) override;
-  void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
+  void on_live_rendered(std::size_t radar, const rendering::RenderedFrame& frame) override;
+  void on_live_fault(std::size_t radar, const std::shared_ptr<const rendering::LiveView>& view,
                      const std::vector<FieldError>& errors) override;
-  void on_request_block(const FrameRequestPtr& request, const BlockPtr& block) override;
+  void on_request_block(const FrameRequestPtr& request, const stream::BlockPtr& block) override;
   void on_request_rendered(const RenderedRequest& frame) override;
   void on_request_fault(const FrameRequestPtr& request, const std::vector<FieldError>& errors) override;
-  void on_appraised(const AppraisalPtr& appraisal, const std::vector<FieldError>& faults) override;
+  void on_appraised(const rendering::AppraisalPtr& appraisal, const std::vector<FieldError>& faults) override;
   void on_finished() override;
 
-  const FrameRenderer& renderer_;
+  const rendering::FrameRenderer& renderer_;
   ServerOptions options_;
   Post post_;
   Clock::time_point started_ = Clock::now();
@@ -140,7 +141,7 @@ class Room : private RenderEvents {
   std::uint64_t frames_dropped_ = 0;  ///< by clients that have left
   std::size_t bytes_freed_ = 0;       ///< that waited for clients that left, since memory was last given back
   ExerciseLog log_;
-  RenderThread render_;  ///< ended before the radars go, to which it reports
+  rendering::RenderThread render_;  ///< ended before the radars go, to which it reports
   Radars radars_;
   TargetWorld targets_;
   QueryThread queries_;

@@ -22,7 +22,8 @@ using boost::system::error_code;
 
 struct Server::State {
   State(std::unique_ptr<asio::io_context> own_context, asio::io_context& context,
-        const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options)
+        const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+        const ServerOptions& options)
       : own(std::move(own_context)),
         io(context),
         room(std::make_shared<Room>(
@@ -129,11 +130,11 @@ void Server::State::stop() {
   });
 }
 
-Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+Server::Server(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
                const ServerOptions& options)
     : Server(renderer, radars, options, ReservedPort(options.address, options.port)) {}
 
-Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+Server::Server(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
                const ServerOptions& options, ReservedPort port) {
   auto own = std::make_unique<asio::io_context>(1);
   asio::io_context& io = *own;
@@ -141,8 +142,8 @@ Server::Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& ra
   state_->listen(std::move(port));
 }
 
-Server::Server(asio::io_context& io, const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
-               const ServerOptions& options, ReservedPort port)
+Server::Server(asio::io_context& io, const rendering::FrameRenderer& renderer,
+               const std::vector<RadarConfig>& radars, const ServerOptions& options, ReservedPort port)
     : state_(std::make_unique<State>(nullptr, io, renderer, radars, options)) {
   state_->listen(std::move(port));
 }
@@ -161,8 +162,8 @@ void Server::run() {
   state_->io.run();
 }
 
-Security::Reloaded Server::reload_security() {
-  Security::Reloaded reloaded = state_->room->options().security->reload();
+security::Security::Reloaded Server::reload_security() {
+  security::Security::Reloaded reloaded = state_->room->options().security->reload();
   check_credentials();
   return reloaded;
 }

@@ -25,14 +25,15 @@ class Transport;
 class Server {
  public:
   /// Binds and listens. Throws InputError when the address is unknown or the port in use.
-  Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options);
+  Server(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+         const ServerOptions& options);
   /// Listens on a port that was taken earlier, whatever the options say.
-  Server(const FrameRenderer& renderer, const std::vector<RadarConfig>& radars, const ServerOptions& options,
-         ReservedPort port);
+  Server(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+         const ServerOptions& options, ReservedPort port);
   /// As above, for start() in place of run(): on an io_context that another thread runs, and that must have
   /// ended when the server is destroyed.
-  Server(boost::asio::io_context& io, const FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
-         const ServerOptions& options, ReservedPort port);
+  Server(boost::asio::io_context& io, const rendering::FrameRenderer& renderer,
+         const std::vector<RadarConfig>& radars, const ServerOptions& options, ReservedPort port);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -59,7 +60,7 @@ class Server {
   void stop();
   /// Reads certificate, key and tokens again: new connections use them, clients whose token is gone are told
   /// and closed, roles change. A faulty file leaves the old content in force. From any thread.
-  Security::Reloaded reload_security();
+  security::Security::Reloaded reload_security();
   /// The part of that which concerns the clients, where several servers share one Security. From any thread.
   void check_credentials();
 

@@ -12,8 +12,8 @@
 #include "proto/obliq.pb.h"
 #include "server/log/service_log.h"
 #include "server/net/peer.h"
-#include "server/net/requests.h"
-#include "server/net/result_of.h"
+#include "server/net/requests/requests.h"
+#include "server/net/requests/result_of.h"
 #include "server/net/room.h"
 #include "server/net/transport.h"
 #include "terrain/base/errors.h"
@@ -92,7 +92,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       return close();
     }
     outbox.push_control(
-        block_for_one(type, {0, ++sequence_, wire::utc_now_ns()}, message, takes_json, plane));
+        stream::block_for_one(type, {0, ++sequence_, wire::utc_now_ns()}, message, takes_json, plane));
     kick();
   }
 
@@ -285,7 +285,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   asio::awaitable<void> write_outbox() {
     while (phase_ != Phase::closed) {
       if (phase_ < Phase::ending) room_->tell_news(*this);
-      const BlockPtr block = outbox.pop();
+      const stream::BlockPtr block = outbox.pop();
       if (!block) {
         if (phase_ == Phase::ending) break;
         if (last_words_.number != ErrorNumber::none) {

@@ -83,7 +83,7 @@ SocketTransport::SocketTransport(asio::io_context& io, int socket_fd, bool is_ip
     : state_(std::make_unique<State>(io, socket_fd, is_ipv6, std::move(tls))) {
   error_code ignored;  // optional: failure is harmless
   state_->socket.set_option(tcp::no_delay(true), ignored);
-  if (is_loopback_address(host()))
+  if (security::is_loopback_address(host()))
     state_->socket.set_option(asio::socket_base::send_buffer_size(kLoopbackSendBytes), ignored);
 }
 SocketTransport::~SocketTransport() = default;
@@ -169,7 +169,9 @@ void SocketTransport::read_some(std::span<std::byte> bytes, Counted done) {
   s.stream ? transfer(*s.stream) : transfer(s.socket);
 }
 
-void SocketTransport::write(const Block& message, Done done) { write(message.bytes, std::move(done)); }
+void SocketTransport::write(const stream::Block& message, Done done) {
+  write(message.bytes, std::move(done));
+}
 
 void SocketTransport::write(std::span<const std::byte> bytes, Done done) {
   write_parts(std::array{bytes}, std::move(done));

@@ -27,7 +27,7 @@ class SocketTransport final : public Transport {
   /// Of a session that runs its TLS version and cipher; "plain" without TLS.
   std::string description() const override;
   void read(std::span<std::byte> bytes, bool some, Done done) override;
-  void write(const Block& message, Done done) override;
+  void write(const stream::Block& message, Done done) override;
   void write(std::span<const std::byte> bytes, Done done);
   void finish(Done done) override;
   void close() override;

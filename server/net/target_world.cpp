@@ -11,9 +11,9 @@
 #include "proto/obliq.pb.h"
 #include "server/control/key.h"
 #include "server/control/target_message.h"
-#include "server/net/exercise_log.h"
+#include "server/net/exercise/exercise_log.h"
 #include "server/net/peer.h"
-#include "server/net/requests.h"
+#include "server/net/requests/requests.h"
 #include "server/radar/targets/target_motion.h"
 #include "server/rendering/render_thread.h"
 #include "server/stream/frame_encoder.h"
@@ -56,7 +56,8 @@ struct TargetWorld::Staged {
   Amount amount;
 };
 
-TargetWorld::TargetWorld(const ServerOptions& options, RenderThread& render, ExerciseLog& log, Post post)
+TargetWorld::TargetWorld(const ServerOptions& options, rendering::RenderThread& render, ExerciseLog& log,
+                         Post post)
     : options_(options), render_(render), log_(log), post_(std::move(post)) {
   reset();
   publish();
@@ -64,7 +65,7 @@ TargetWorld::TargetWorld(const ServerOptions& options, RenderThread& render, Exe
 
 TargetWorld::~TargetWorld() = default;
 
-std::int64_t TargetWorld::now_ns() const { return frozen_since_ns_.value_or(monotonic_ns()); }
+std::int64_t TargetWorld::now_ns() const { return frozen_since_ns_.value_or(stream::monotonic_ns()); }
 
 void TargetWorld::claim(Peer& by) {
   Peer* holder = claims_.holder(wire::Claim::targets);
@@ -97,13 +98,14 @@ bool TargetWorld::release(const Peer& peer, const std::string& why) {
 void TargetWorld::forget(const Peer& peer) { release(peer, ", " + peer.name + " has left"); }
 
 void TargetWorld::check_role(Peer& peer) {
-  if (peer.role >= Role::controller) return;
-  if (!release(peer, ", the role of " + peer.name + " is " + std::string(role_name(peer.role)) + " now"))
+  if (peer.role >= security::Role::controller) return;
+  if (!release(peer,
+               ", the role of " + peer.name + " is " + std::string(security::role_name(peer.role)) + " now"))
     return;
   peer.send(wire::MessageType::error,
             make_error(0, wire::ErrorNumber::role_too_low,
                        "setting targets needs the role controller; this client's token gives " +
-                           std::string(role_name(peer.role)) + " now"));
+                           std::string(security::role_name(peer.role)) + " now"));
 }
 
 Target TargetWorld::begin_anew(const wire::Target& message, const Target& was, bool is_new) const {
@@ -380,10 +382,10 @@ void TargetWorld::take(const wire::ExerciseState& state) {
 void TargetWorld::freeze(bool on) {
   if (on == frozen_since_ns_.has_value()) return;
   if (on) {
-    frozen_since_ns_ = monotonic_ns();
+    frozen_since_ns_ = stream::monotonic_ns();
     return;
   }
-  const std::int64_t pause_ns = monotonic_ns() - *frozen_since_ns_;
+  const std::int64_t pause_ns = stream::monotonic_ns() - *frozen_since_ns_;
   frozen_since_ns_.reset();
   for (auto& [id, target] : all_) target.target.arrived_ns += pause_ns;
   changed();

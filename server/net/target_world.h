@@ -14,6 +14,10 @@
 #include "server/net/options.h"
 #include "terrain/base/errors.h"
 
+namespace obliq::rendering {
+class RenderThread;
+}
+
 namespace obliq::wire {
 class ExerciseState;
 class RenderOnce;
@@ -25,7 +29,6 @@ class TargetList;
 namespace obliq::net {
 
 class ExerciseLog;
-class RenderThread;
 
 /// On the io thread. Frames see it by snapshots alone (TargetSet), each of a whole change.
 class TargetWorld {
@@ -33,7 +36,7 @@ class TargetWorld {
   /// post: runs a function on the io thread, later.
   using Post = std::function<void(std::function<void()>)>;
   /// The targets of options begin. All of these must outlive this.
-  TargetWorld(const ServerOptions& options, RenderThread& render, ExerciseLog& log, Post post);
+  TargetWorld(const ServerOptions& options, rendering::RenderThread& render, ExerciseLog& log, Post post);
   ~TargetWorld();
 
   Claims& claims() { return claims_; }
@@ -111,7 +114,7 @@ class TargetWorld {
   void publish();
 
   const ServerOptions& options_;
-  RenderThread& render_;
+  rendering::RenderThread& render_;
   ExerciseLog& log_;
   Claims claims_;
   All all_;

@@ -8,9 +8,11 @@
 #include "proto/error_number.h"
 #include "proto/limits.h"
 
-namespace obliq::net {
-
+namespace obliq::stream {
 struct Block;
+}
+
+namespace obliq::net {
 
 /// On the io thread. One reader and one writer at a time; `done` is called later, and until then the
 /// transport and the bytes must live.
@@ -57,7 +59,7 @@ class Transport {
   virtual Fault fault() const { return {}; }
   /// The peer reads descriptors as JSON.
   virtual bool takes_json() const { return false; }
-  virtual void write(const Block& message, Done done) = 0;
+  virtual void write(const stream::Block& message, Done done) = 0;
   /// Tells the peer that nothing more comes, after everything has been written.
   virtual void finish(Done done) = 0;
   /// Ends all of the above at once.

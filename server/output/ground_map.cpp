@@ -8,7 +8,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/height_grid.h"
 

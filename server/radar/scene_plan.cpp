@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"

@@ -13,7 +13,7 @@
 #include "server/radar/geometry/pose.h"
 #include "server/radar/geometry/sector_extent.h"
 #include "server/radar/settings.h"
-#include "server/radar/simd/scatterer_owner.h"
+#include "server/radar/simd/echoes/scatterer_owner.h"
 #include "server/scene/scene.h"
 
 namespace obliq {

@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 AppraisalJob::AppraisalJob(const RenderContext& context) : context_(context) {}
 
@@ -53,4 +53,4 @@ bool AppraisalJob::begin() {
   return true;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -6,7 +6,7 @@
 
 #include "server/rendering/job.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Says of settings whether frames of them can be planned (FrameRenderer::faults), where that needs the
 /// ground. One after the other, in the order in which they came.
@@ -37,4 +37,4 @@ class AppraisalJob : public Job {
   std::unique_ptr<ParkedWork> work_;  ///< null: none has begun
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -5,7 +5,7 @@
 
 #include "terrain/base/units.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 std::chrono::steady_clock::duration period_of(double rate_hz) { return from_seconds(1 / rate_hz); }
 
@@ -29,20 +29,20 @@ void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands) {
   }
 }
 
-ReceivedPlanes needed_planes(const StreamChoice& choice, const RadarSettings& settings) {
+ReceivedPlanes needed_planes(const stream::StreamChoice& choice, const RadarSettings& settings) {
   const auto wants = [&](wire::Plane plane) { return (choice.planes & wire::plane_bit(plane)) != 0; };
   const bool video = wants(wire::Plane::video);
   return {wants(wire::Plane::iq) || (video && video_needs_iq(settings)),
           video && choice.format.video_bits == 8, video && choice.format.video_bits == 16};
 }
 
-bool wants_pulses(const StreamChoice& choice, const RadarSettings& settings) {
+bool wants_pulses(const stream::StreamChoice& choice, const RadarSettings& settings) {
   return settings.mode == RadarMode::pulses && (choice.planes & wire::kPulsesPlane) != 0;
 }
 
 Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings) {
   Order order;
-  std::set<StreamChoice> choices;
+  std::set<stream::StreamChoice> choices;
   std::vector<bool> wedges(static_cast<std::size_t>(wedge_count(settings.azimuth_bins)));
   for (const Demand& demand : demands) {
     const auto window =
@@ -78,4 +78,4 @@ Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings
   return order;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

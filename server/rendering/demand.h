@@ -8,7 +8,7 @@
 #include "server/radar/render.h"
 #include "server/stream/stream_choice.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 std::chrono::steady_clock::duration period_of(double rate_hz);
 
@@ -16,7 +16,7 @@ std::chrono::steady_clock::duration period_of(double rate_hz);
 struct Demand {
   std::uint64_t watch_id = 0;  ///< never used again
   double rate_hz = 0;
-  StreamChoice choice;
+  stream::StreamChoice choice;
   bool lossless = false;                      ///< its frames may be late, but none is skipped
   std::chrono::steady_clock::time_point due;  ///< of its next frame; the render thread's own
   bool is_served() const { return due != std::chrono::steady_clock::time_point{}; }  ///< has had a frame
@@ -25,8 +25,8 @@ struct Demand {
 /// What must be rendered of a frame for some of the watchers.
 struct Order {
   std::vector<std::uint64_t> takers;
-  std::vector<StreamChoice> choices;  ///< different ones
-  bool iq = false;                    ///< for itself, or for the video
+  std::vector<stream::StreamChoice> choices;  ///< different ones
+  bool iq = false;                            ///< for itself, or for the video
   bool states = false;
   bool labels = false;
   bool target_ids = false;
@@ -46,12 +46,12 @@ std::vector<Demand> take_due(std::vector<Demand>& demands, std::chrono::steady_c
 void give_back(const std::vector<Demand>& taken, std::vector<Demand>& demands);
 
 /// What a choice needs rendered.
-ReceivedPlanes needed_planes(const StreamChoice& choice, const RadarSettings& settings);
+ReceivedPlanes needed_planes(const stream::StreamChoice& choice, const RadarSettings& settings);
 
 /// Trains are asked for, of a radar that gives them out.
-bool wants_pulses(const StreamChoice& choice, const RadarSettings& settings);
+bool wants_pulses(const stream::StreamChoice& choice, const RadarSettings& settings);
 
 /// What a frame of such settings must hold for them. A window without a bin in the frame gets nothing.
 Order order_of(const std::vector<Demand>& demands, const RadarSettings& settings);
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

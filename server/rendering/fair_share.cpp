@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace obliq::net {
+namespace obliq::rendering {
 namespace {
 
 /// While no cost is known, a new flow gets this long to show that it is quick. Slower ones are then served
@@ -97,4 +97,4 @@ FrameDates::Taken FrameDates::take(Time now, Duration period, bool keep_all) {
   return taken;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

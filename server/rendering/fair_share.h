@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Shares rendering time among flows: the live radars, and all RenderOnce requests as one.
 ///
@@ -81,4 +81,4 @@ class FrameDates {
   Time due_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

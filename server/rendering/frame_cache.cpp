@@ -7,7 +7,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "terrain/base/asking.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 namespace {
 
 /// In units of ask(): a copy, the receiver, delivery.
@@ -226,4 +226,4 @@ std::shared_ptr<FrameCache::Place> FrameCache::find(const SettingsPtr& settings,
   return place == places_.end() ? nullptr : *place;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -7,7 +7,7 @@
 
 #include "server/rendering/frame_renderer.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Renders nothing twice: while settings, antenna and scene of a radar stay the same, plan and wedges of the
 /// frame before are reused, bit for bit. So an antenna that stands still, or scans from one place, costs next
@@ -57,4 +57,4 @@ class FrameCache : public FrameRenderer {
   mutable std::vector<std::shared_ptr<Place>> places_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -21,7 +21,7 @@ class ScanPass;
 class WedgeBlock;
 }  // namespace obliq::wire
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 class ReplayControl;  // server/rendering/replay_control.h
 
@@ -110,4 +110,4 @@ class FrameRenderer {
   virtual wire::PlaneSet planes() const { return wire::kEveryPlane; }
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

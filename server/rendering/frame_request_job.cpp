@@ -13,7 +13,7 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/units.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 namespace {
 
 /// Frames may wait in the middle of their work until so many threads do, but so many frames may in any case:
@@ -34,14 +34,14 @@ struct FrameRequestJob::Frame {
   explicit Frame(FrameRequestPtr of) : request(std::move(of)) {}
 
   /// Counts the block as waiting before it can be taken.
-  void send(RenderEvents& events, const BlockPtr& block) const {
+  void send(RenderEvents& events, const stream::BlockPtr& block) const {
     *request->queued += block->memory();
     events.on_request_block(request, block);
   }
 
   const FrameRequestPtr request;
   std::unique_ptr<PlannedFrame> plan;  ///< null: it has not begun
-  std::optional<FrameEncoder> encoder;
+  std::optional<stream::FrameEncoder> encoder;
   std::uint64_t sequence = 0;
   std::optional<FrameSum> stats;
   std::optional<Receiver> receiver;
@@ -175,14 +175,14 @@ bool FrameRequestJob::begin(Frame& frame) const {
   frame.receiver.emplace(settings, request.radar, settings.receiver.noise_frame, frame.plan->air());
   describe_receiver(*frame.receiver, descriptor);
   describe_targets(request.targets, descriptor);
-  FrameIdentity identity;
+  stream::FrameIdentity identity;
   identity.stream_id = request.stream_id;
   identity.request_id = request.request_id;
   identity.choices = {request.choice};
   identity.pose_received_ns = request.view.pose_received_ns;
   frame.stats.emplace(request.view.settings->settings);
   frame.encoder.emplace(identity, frame.sequence);
-  for (const BlockPtr& block : frame.encoder->begin(descriptor)) frame.send(context_.events, block);
+  for (const stream::BlockPtr& block : frame.encoder->begin(descriptor)) frame.send(context_.events, block);
   const auto window = window_of(request);
   frame.next_azimuth = static_cast<int>(window.azimuth.first) / kWedgeAzimuthBins * kWedgeAzimuthBins;
   frame.end_azimuth = static_cast<int>(window.azimuth.end());
@@ -213,7 +213,7 @@ bool FrameRequestJob::render_slice(Frame& frame) const {
   options.targets_at = request.view.targets_at;
   options.on_wedge = [&](Wedge&& wedge) {
     frame.stats->add(wedge);
-    for (const BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins))
+    for (const stream::BlockPtr& block : frame.encoder->wedge(wedge.index, wedge.bins))
       frame.send(context_.events, block);
   };
   const auto stopped = [&] {
@@ -228,7 +228,8 @@ bool FrameRequestJob::render_slice(Frame& frame) const {
     const auto made = frame.plan->render_train(train_of_frame(settings), options);
     if (!made) return stopped();
     if (!has_bins) frame.stats->add({0, {}, made->stats});
-    for (const BlockPtr& block : frame.encoder->train(made->train)) frame.send(context_.events, block);
+    for (const stream::BlockPtr& block : frame.encoder->train(made->train))
+      frame.send(context_.events, block);
   }
   if (request.choice.truth) {
     const AzimuthRange all{0, request.view.settings->settings.azimuth_bins};
@@ -244,4 +245,4 @@ bool FrameRequestJob::render_slice(Frame& frame) const {
   return false;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -7,7 +7,7 @@
 
 #include "server/rendering/job.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Renders the frames of all RenderOnce requests. Clients take turns, slice by slice; a client's frames come
 /// one after the other, in the order of its requests. The next slice of a frame waits until its client has
@@ -48,4 +48,4 @@ class FrameRequestJob : public Job {
   std::uint64_t last_client_ = 0;  ///< whose turn was the last
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -4,7 +4,7 @@
 
 #include "terrain/base/errors.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 bool RenderContext::gives_way() const {
   const bool changed = changes != changes_seen;
@@ -37,4 +37,4 @@ std::vector<FieldError> memory_failure(const std::exception& failure) {
   return {{"frame", failure_text(failure), "a frame that can be rendered with the memory there is"}};
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -17,7 +17,7 @@
 #include "server/rendering/parked_work.h"
 #include "server/rendering/render_events.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Work of the render thread, done piece by piece. For that thread alone.
 class Job {
@@ -102,4 +102,4 @@ std::int64_t in_nanoseconds(Job::Time time);
 /// Says that a frame could not be rendered for lack of memory, or of another resource of the machine.
 std::vector<FieldError> memory_failure(const std::exception& failure);
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

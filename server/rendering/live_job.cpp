@@ -7,7 +7,7 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/units.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 LiveJob::LiveJob(const RenderContext& context, LiveStream& stream) : context_(context), stream_(stream) {}
 
@@ -107,4 +107,4 @@ void LiveJob::end() {
   context_.events.on_live_rendered(stream_.radar(), frame.rendered);
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

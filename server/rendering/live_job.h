@@ -5,7 +5,7 @@
 
 #include "server/rendering/live_stream.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Renders the whole frames of a live radar, each when it is due. One that has begun is rendered to its end
 /// before the next, though other jobs may have their turns in between.
@@ -40,4 +40,4 @@ class LiveJob : public Job {
   std::unique_ptr<ParkedWork> work_;   ///< null: none has begun
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

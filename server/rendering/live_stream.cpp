@@ -8,7 +8,7 @@
 #include "server/output/describe_targets.h"
 #include "terrain/base/units.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 namespace {
 
 constexpr auto kNever = LiveStream::Time::max();
@@ -27,7 +27,7 @@ LiveStream::LiveStream(RenderContext& context, std::size_t radar, std::string na
       radar_(radar),
       name_(std::move(name)),
       stream_id_(stream_id),
-      frames_(std::make_shared<LiveFrames>(std::move(on_freed))),
+      frames_(std::make_shared<stream::LiveFrames>(std::move(on_freed))),
       view_(std::make_shared<const LiveView>(std::move(view))) {}
 
 void LiveStream::set_view(LiveView view) {
@@ -196,7 +196,7 @@ void LiveStream::take_all(Start& start) const {
 void LiveStream::give_back(const Start& start, Time now) {
   const std::lock_guard lock(mutex_);
   dates_.begin_at(now);
-  net::give_back(start.demands, demands_);
+  rendering::give_back(start.demands, demands_);
 }
 
 std::optional<LiveStream::Start> LiveStream::begin_dwell() {
@@ -274,7 +274,7 @@ bool BegunFrame::send_train(const TrainLook& look, const RenderOptions& options)
   return true;
 }
 
-void BegunFrame::send(std::vector<BlockPtr> blocks) const {
+void BegunFrame::send(std::vector<stream::BlockPtr> blocks) const {
   stream.context_.events.on_live_blocks(stream.radar_, frame, std::move(blocks));
 }
 
@@ -300,4 +300,4 @@ void BegunFrame::send_end(const std::vector<AzimuthRange>& missed) {
 
 void BegunFrame::send_abort(const std::string& reason) { send({encoder.abort(reason)}); }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -16,7 +16,7 @@
 #include "server/rendering/job.h"
 #include "server/stream/frame_encoder.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// The frames of a live radar: what its watchers ask for, when the next one is due, how many are alive, what
 /// could not be rendered. Shared by the job that renders whole frames and the one that scans.
@@ -110,7 +110,7 @@ class LiveStream {
   const std::size_t radar_;
   const std::string name_;
   const std::uint32_t stream_id_;
-  const std::shared_ptr<LiveFrames> frames_;
+  const std::shared_ptr<stream::LiveFrames> frames_;
   std::atomic<std::uint64_t> skipped_in_all_{0};
   std::atomic<std::uint64_t> shed_{0};
 
@@ -139,7 +139,7 @@ struct BegunFrame {
   BegunFrame(LiveStream& stream, std::uint64_t frame_id, std::unique_ptr<PlannedFrame> planned,
              const RadarSettings& settings, const Order& order, const LiveView& view, double waited_s);
 
-  void send(std::vector<BlockPtr> blocks) const;
+  void send(std::vector<stream::BlockPtr> blocks) const;
   /// Of any part of it, as the view is, with the targets that there are.
   RenderOptions render_options(const std::stop_token& stop, const LiveView& view) const;
   /// The world has moved on.
@@ -156,10 +156,10 @@ struct BegunFrame {
 
   LiveStream& stream;
   const std::uint64_t frame_id;
-  FrameEncoder encoder;
+  stream::FrameEncoder encoder;
   FrameSum stats;
   RenderedFrame rendered;
-  LiveFramePtr frame;
+  stream::LiveFramePtr frame;
   bool iq = false;
   bool states = false;
   bool video8 = false;
@@ -175,4 +175,4 @@ struct BegunFrame {
   std::optional<Receiver> receiver;  ///< none where the renderer only replays: what it has been received
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 ParkedWork::ParkedWork(std::function<void()> work, std::stop_token stop, std::int64_t look)
     : work_(std::move(work)), stop_(std::move(stop)), look_(look) {}
@@ -89,4 +89,4 @@ void ParkedWork::leave() {
   if (--working_ == 0) changed_.notify_all();
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -10,7 +10,7 @@
 
 #include "terrain/base/asking.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Work on threads of its own that wait, wherever they are, between its turns: where one of them asks
 /// (terrain/base/asking.h) when a turn has lasted long enough. So it is written as if nothing ever
@@ -61,4 +61,4 @@ class ParkedWork : private WorkGate {
   std::thread thread_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -17,7 +17,7 @@
 #include "server/stream/stream_choice.h"
 #include "terrain/base/errors.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// How a live radar looks, from the next frame on. Never changes once made.
 struct LiveView {
@@ -52,11 +52,12 @@ struct FrameRequest {
   std::uint32_t stream_id = 0;
   std::string radar;  ///< echoed
   LiveView view;
-  StreamChoice choice;
+  stream::StreamChoice choice;
   FrameCost cost;
-  TargetsPtr targets;                                                  ///< in its world; null: none
-  std::stop_source stop;                                               ///< requested when its client has gone
-  ByteCounter queued = std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
+  TargetsPtr targets;     ///< in its world; null: none
+  std::stop_source stop;  ///< requested when its client has gone
+  stream::ByteCounter queued =
+      std::make_shared<std::atomic<std::size_t>>(0);  ///< bytes its client has not taken
 };
 using FrameRequestPtr = std::shared_ptr<FrameRequest>;
 
@@ -74,14 +75,15 @@ using AppraisalPtr = std::shared_ptr<Appraisal>;
 class RenderEvents {
  public:
   virtual ~RenderEvents() = default;
-  virtual void on_live_blocks(std::size_t radar, const LiveFramePtr& frame, std::vector<BlockPtr> blocks) = 0;
+  virtual void on_live_blocks(std::size_t radar, const stream::LiveFramePtr& frame,
+                              std::vector<stream::BlockPtr> blocks) = 0;
   virtual void on_live_rendered(std::size_t radar, const RenderedFrame& frame) = 0;
   /// A frame is due, but live_frames is at its limit. Repeated until one has gone.
   virtual void on_live_held_up(std::size_t radar, double since_s) = 0;
   /// The radar cannot be rendered as it is; it is tried again when its view changes.
   virtual void on_live_fault(std::size_t radar, const std::shared_ptr<const LiveView>& view,
                              const std::vector<FieldError>& errors) = 0;
-  virtual void on_request_block(const FrameRequestPtr& request, const BlockPtr& block) = 0;
+  virtual void on_request_block(const FrameRequestPtr& request, const stream::BlockPtr& block) = 0;
   virtual void on_request_rendered(const RenderedRequest& frame) = 0;
   /// Instead of a frame.
   virtual void on_request_fault(const FrameRequestPtr& request, const std::vector<FieldError>& errors) = 0;
@@ -91,4 +93,4 @@ class RenderEvents {
   virtual void on_finished() = 0;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

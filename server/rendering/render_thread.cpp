@@ -5,7 +5,7 @@
 
 #include "terrain/base/units.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 RenderThread::Radar::Radar(RenderContext& context, std::size_t number, const std::string& name,
                            std::uint32_t stream_id, LiveView view, std::function<void()> on_freed)
@@ -168,4 +168,4 @@ void RenderThread::wait(const std::stop_token& stop, Time until) {
   }
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -21,7 +21,7 @@
 #include "server/rendering/live_stream.h"
 #include "server/rendering/scan_job.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Locks: other threads talk to a job through what that job guards itself, then tell the thread that
 /// something has changed. No lock is held while anything is rendered or while two classes talk.
@@ -96,4 +96,4 @@ class RenderThread {
   std::jthread thread_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -2,9 +2,9 @@
 // What rendering a frame costs, before and after.
 #include <cstdint>
 
-namespace obliq::net {
+namespace obliq::rendering {
 
-/// What a frame takes, known before it is rendered (server/net/request_limits.h).
+/// What a frame takes, known before it is rendered (server/net/requests/request_limits.h).
 struct FrameCost {
   std::int64_t pixels = 0;
   std::int64_t bins = 0;
@@ -36,4 +36,4 @@ struct RenderedFrame {
   std::uint64_t dwells_missed = 0;  ///< of a pass of a scanning antenna
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

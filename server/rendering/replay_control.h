@@ -11,7 +11,7 @@ class ReplayState;
 class SetReplay;
 }  // namespace obliq::wire
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Called from several threads at once; every call is quick.
 class ReplayControl {
@@ -32,4 +32,4 @@ class ReplayControl {
   virtual void on_change(std::function<void()> call) = 0;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -10,7 +10,7 @@
 #include "server/rendering/scan_schedule.h"
 #include "terrain/base/units.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 namespace {
 
 void add_span(std::vector<AzimuthRange>& spans, const AzimuthRange& more) {
@@ -272,4 +272,4 @@ void ScanJob::end_pass() {
   scan_->pass = nullptr;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -6,7 +6,7 @@
 
 #include "server/rendering/live_stream.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 struct Dwell;
 
@@ -59,4 +59,4 @@ class ScanJob : public Job {
   std::unique_ptr<ParkedWork> work_;  ///< null: none
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

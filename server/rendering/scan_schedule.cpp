@@ -4,7 +4,7 @@
 
 #include "terrain/base/units.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 namespace {
 
 constexpr double kMostLag_s = 0.25;
@@ -58,4 +58,4 @@ Dwell ScanSchedule::next(const Dwell& in_order, Time now) const {
   return std::max(in_order, at(now));
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

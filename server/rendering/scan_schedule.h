@@ -6,7 +6,7 @@
 #include "server/radar/render.h"
 #include "server/radar/settings.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// One dwell of the beam: the azimuth bins that it passes with one pose.
 struct Dwell {
@@ -60,4 +60,4 @@ class ScanSchedule {
   double lag_s_ = 0;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -16,7 +16,7 @@
 #include "server/scene/scene_memory.h"
 #include "terrain/base/errors.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 namespace {
 
 /// Other radars may wait this long for their turn.
@@ -175,4 +175,4 @@ TracerBuilder::State TracerBuilder::ensure(const std::shared_ptr<const Scene>& s
   return fault.empty() ? State::built : State::failed;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

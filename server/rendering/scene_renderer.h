@@ -7,7 +7,7 @@
 
 #include "server/rendering/frame_renderer.h"
 
-namespace obliq::net {
+namespace obliq::rendering {
 
 /// Builds the tracers of scenes on its own thread, one at a time, so that radars that need none go on
 /// meanwhile. From any thread.
@@ -56,4 +56,4 @@ class SceneRenderer : public FrameRenderer {
   mutable TracerBuilder tracer_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::rendering

@@ -5,7 +5,7 @@
 namespace obliq {
 
 /// One of the two triangles of a grid cell, as the plane y = y0 + slope_x (x - x0) + slope_z (z - z0). Real:
-/// double, or eight of them (server/radar/simd/lanes.h says why all is inlined).
+/// double, or eight of them (server/radar/simd/lanes/lanes.h says why all is inlined).
 template <typename Real>
 struct GroundTriangle {
   using Mask = decltype(Real{} < Real{});

@@ -12,7 +12,7 @@
 
 #include "terrain/base/errors.h"
 
-namespace obliq::net {
+namespace obliq::security {
 
 namespace {
 
@@ -110,4 +110,4 @@ void require_protection(const std::string& address_key, const std::string& addre
                    unprotected_key + " = true, which lets any client in");
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::security

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace obliq::net {
+namespace obliq::security {
 
 /// "127.0.0.1", "::1" and their like, or "localhost". Other names are not looked up: false.
 bool is_loopback_address(const std::string& address);
@@ -38,4 +38,4 @@ void require_protection(const std::string& address_key, const std::string& addre
                         const std::vector<Protection>& protections, const std::string& unprotected_key,
                         bool unprotected);
 
-}  // namespace obliq::net
+}  // namespace obliq::security

@@ -15,7 +15,7 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
 
-namespace obliq::net {
+namespace obliq::security {
 namespace {
 
 namespace ssl = boost::asio::ssl;
@@ -170,4 +170,4 @@ double Security::certificate_end_s() const { return current()->certificate_end_s
 
 std::vector<std::string> Security::warnings() const { return current()->warnings; }
 
-}  // namespace obliq::net
+}  // namespace obliq::security

@@ -13,7 +13,7 @@ namespace boost::asio::ssl {
 class context;
 }
 
-namespace obliq::net {
+namespace obliq::security {
 
 /// Paths; an empty one: not configured.
 struct SecurityFiles {
@@ -68,4 +68,4 @@ class Security {
   std::shared_ptr<const Material> material_ = std::make_shared<const Material>();
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::security

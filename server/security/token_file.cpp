@@ -14,7 +14,7 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"
 
-namespace obliq::net {
+namespace obliq::security {
 namespace {
 
 constexpr off_t kMaxFileBytes = 1 << 20;
@@ -133,4 +133,4 @@ std::optional<Grant> TokenFile::find(const TokenDigest& digest) const {
   return entries_[found];
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::security

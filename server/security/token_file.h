@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace obliq::net {
+namespace obliq::security {
 
 /// What a client may do; each role includes the ones before it.
 enum class Role : std::uint8_t {
@@ -61,4 +61,4 @@ class TokenFile {
   std::vector<Grant> entries_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::security

@@ -4,7 +4,7 @@
 
 #include "proto/json_text.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 
 BlockPtr block_for_one(wire::MessageType type, const wire::Addressing& addressing,
                        const google::protobuf::Message& descriptor, bool as_json,
@@ -23,4 +23,4 @@ BlockPtr block_for_one(wire::MessageType type, const wire::Addressing& addressin
   return block;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

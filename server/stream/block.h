@@ -16,7 +16,7 @@ namespace google::protobuf {
 class Message;
 }
 
-namespace obliq::net {
+namespace obliq::stream {
 
 /// Memory that a radar's blocks take, wherever they wait, and what those left that have gone. From any
 /// thread.
@@ -63,4 +63,4 @@ BlockPtr block_for_one(wire::MessageType type, const wire::Addressing& addressin
                        const google::protobuf::Message& descriptor, bool as_json,
                        std::span<const std::byte> plane = {});
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

@@ -12,7 +12,7 @@
 #include "proto/obliq.pb.h"
 #include "server/radar/render.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 
 static_assert(std::endian::native == std::endian::little, "plane data is sent as it lies in memory");
 
@@ -334,4 +334,4 @@ BlockPtr FrameEncoder::abort(const std::string& reason) {
   return finish(new_block(MessageType::frame_abort), as_json_, message);
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

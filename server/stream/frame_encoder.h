@@ -20,7 +20,7 @@ class ScanPass;
 class WedgeBlock;
 }  // namespace obliq::wire
 
-namespace obliq::net {
+namespace obliq::stream {
 
 /// Monotonic time in nanoseconds; only differences mean anything.
 std::int64_t monotonic_ns();
@@ -99,4 +99,4 @@ class FrameEncoder {
   std::vector<std::byte> coded_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

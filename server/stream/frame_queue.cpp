@@ -7,7 +7,7 @@
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 
 using wire::MessageType;
 
@@ -163,4 +163,4 @@ void FrameQueue::clear() {
   while (!frames_.empty()) drop(frames_.begin());
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

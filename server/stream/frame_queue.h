@@ -9,7 +9,7 @@
 
 #include "server/stream/live_frames.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 
 /// Bytes of one stream that wait for a client: the producer adds, the queue subtracts.
 using ByteCounter = std::shared_ptr<std::atomic<std::size_t>>;
@@ -98,4 +98,4 @@ class FrameQueue {
   Clock::time_point last_progress_ = Clock::now();
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

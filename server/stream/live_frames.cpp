@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace obliq::net {
+namespace obliq::stream {
 
 LiveFrame::LiveFrame(std::shared_ptr<LiveFrames> owner, std::uint64_t frame_id,
                      std::vector<std::uint64_t> takers)
@@ -33,4 +33,4 @@ void LiveFrames::forget_listener() {
   on_freed_ = nullptr;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

@@ -9,7 +9,7 @@
 
 #include "server/stream/block.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 
 class LiveFrames;
 
@@ -53,4 +53,4 @@ class LiveFrames : public std::enable_shared_from_this<LiveFrames> {
   std::function<void()> on_freed_;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace obliq::net {
+namespace obliq::stream {
 
 using wire::MessageType;
 
@@ -107,4 +107,4 @@ std::uint64_t Outbox::frames_dropped() const {
   return dropped;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

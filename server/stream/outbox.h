@@ -8,7 +8,7 @@
 #include "server/stream/frame_queue.h"
 #include "server/stream/live_frames.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 
 /// What waits to be written to one client: control messages, then frames, one queue per stream. Bounded, but
 /// for control messages, which the caller limits. Knows no sockets. For one thread.
@@ -61,4 +61,4 @@ class Outbox {
   std::uint64_t dropped_by_closed_ = 0;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

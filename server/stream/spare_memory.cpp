@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace obliq::net {
+namespace obliq::stream {
 
 wire::Bytes SpareMemory::take(std::size_t bytes) {
   if (bytes < kLeastBytes) return {};
@@ -46,4 +46,4 @@ std::size_t SpareMemory::bytes() const {
   return bytes_;
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

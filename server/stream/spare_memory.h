@@ -5,7 +5,7 @@
 
 #include "proto/message_codec.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 
 /// Memory of blocks that have gone, for those to come: blocks of a frame are as long as those of the frame
 /// before, and the system's fresh pages cost more than what is written into them. From any thread.
@@ -28,4 +28,4 @@ class SpareMemory {
   std::size_t bytes_ = 0;
 };
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

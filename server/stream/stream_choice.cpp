@@ -4,7 +4,7 @@
 
 #include "proto/obliq.pb.h"
 
-namespace obliq::net {
+namespace obliq::stream {
 namespace {
 
 /// None asked for means the four.
@@ -83,4 +83,4 @@ StreamChoice read_choice(const wire::RenderOnce& request, int azimuth_bins, int 
   return read(request, azimuth_bins, range_bins, errors);
 }
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

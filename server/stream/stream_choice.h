@@ -11,7 +11,7 @@ class Subscribe;
 class RenderOnce;
 }  // namespace obliq::wire
 
-namespace obliq::net {
+namespace obliq::stream {
 
 /// How blocks are encoded. Watchers with the same format share blocks.
 struct BlockFormat {
@@ -46,4 +46,4 @@ StreamChoice read_choice(const wire::Subscribe& request, int azimuth_bins, int r
 StreamChoice read_choice(const wire::RenderOnce& request, int azimuth_bins, int range_bins,
                          std::vector<FieldError>& errors);
 
-}  // namespace obliq::net
+}  // namespace obliq::stream

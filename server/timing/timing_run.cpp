@@ -162,7 +162,7 @@ class FrameRunner {
       describe_frame(*plan_, frame_.radar, frame_.scene_name, descriptor_);
     }
     send([&] {
-      encoder_ = std::make_unique<net::FrameEncoder>(net::FrameIdentity{.stream_id = 1}, sequence_);
+      encoder_ = std::make_unique<stream::FrameEncoder>(stream::FrameIdentity{.stream_id = 1}, sequence_);
       return encoder_->begin(descriptor_);
     });
   }
@@ -180,13 +180,13 @@ class FrameRunner {
 
   template <typename Encode>
   void send(Encode encode) {
-    std::vector<net::BlockPtr> blocks;
+    std::vector<stream::BlockPtr> blocks;
     {
       const StageProbe probe(Stage::encode);
       blocks = encode();
     }
     const StageProbe probe(Stage::send);
-    for (const net::BlockPtr& block : blocks) loopback_.send(block->bytes);
+    for (const stream::BlockPtr& block : blocks) loopback_.send(block->bytes);
   }
 
   static void take(Run& run, const StageTimes& serial, const StageTimes& parallel) {
@@ -208,7 +208,7 @@ class FrameRunner {
   std::shared_ptr<const FramePlan> plan_;
   wire::FrameDescriptor descriptor_;
   std::uint64_t sequence_ = 0;
-  std::unique_ptr<net::FrameEncoder> encoder_;
+  std::unique_ptr<stream::FrameEncoder> encoder_;
 };
 
 double median(std::vector<double> values) {

@@ -276,7 +276,7 @@ void WebSocketTransport::read(std::span<std::byte> bytes, bool some, Done done) 
 
 net::Transport::Fault WebSocketTransport::fault() const { return state_->fault; }
 
-void WebSocketTransport::write(const net::Block& message, Done done) {
+void WebSocketTransport::write(const stream::Block& message, Done done) {
   const auto plane = message.plane();
   const std::array<asio::const_buffer, 2> parts{asio::buffer(message.json_head),
                                                 {plane.data(), plane.size()}};

@@ -34,7 +34,7 @@ class WebSocketTransport final : public net::Transport {
   void read(std::span<std::byte> bytes, bool some, Done done) override;
   Fault fault() const override;
   bool takes_json() const override { return true; }
-  void write(const net::Block& message, Done done) override;
+  void write(const stream::Block& message, Done done) override;
   /// Our part of the closing handshake; a read sees the peer's.
   void finish(Done done) override;
   void close() override;

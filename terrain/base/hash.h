@@ -6,7 +6,7 @@ namespace obliq {
 
 /// Finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014):
 /// a bijection of 64 bits whose outputs pass the usual tests of randomness. Of a std::uint64_t, or of eight
-/// side by side (server/radar/simd/lanes.h says why it is always inlined).
+/// side by side (server/radar/simd/lanes/lanes.h says why it is always inlined).
 template <typename Word>
 [[gnu::always_inline]] constexpr Word mix_words(Word v) {
   v += 0x9e3779b97f4a7c15u;

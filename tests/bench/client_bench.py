@@ -26,7 +26,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "client" / "python" / "src"))
 os.environ["PYTHONPATH"] = str(ROOT / "client" / "python" / "src")  # of the workers
 import obliq  # noqa: E402
-from obliq import _crc  # noqa: E402
+from obliq._protocol import crc as _crc  # noqa: E402
 
 BIN = pathlib.Path(os.environ.get("OBLIQ_BIN", ROOT / "build" / "release" / "bin"))
 SCENE = """

@@ -16,6 +16,9 @@ BASE = ["terrain/base"]
 WORDS = ["server/radar/bins", "server/radar/pulse_train", "server/radar/settings", "server/radar/beam_settings", "server/radar/samples", "server/radar/unsampled",
     "server/radar/receiver_settings", "server/radar/doppler_settings"]
 R = "server/radar/"
+BELOW_LANES = BASE + ["terrain/height_grid", R + "samples"] + ["server/scene/" + f for f in
+    ("tracer_isa", "ground_triangle", "tolerances")]
+TO_LANES = BELOW_LANES + [R + "simd/lanes"]
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
 TO_PLAN = TO_GEOMETRY + [R + "beam", R + "doppler", R + "taper", R + "narrow_bins", R + "scene_plan", R + "frame_plan"]
@@ -35,8 +38,12 @@ ALLOWED = {
     "client": ["proto"],
     "server/security": BASE,
     "server/scene": ["terrain"],
-    "server/radar/simd": BASE + ["terrain/height_grid", R + "samples"] + ["server/scene/" + f for f in
-        ("tracer_isa", "ground_triangle", "tolerances")],
+    "server/radar/simd": BELOW_LANES,
+    "server/radar/simd/lanes": ["terrain/base", "server/scene/tracer_isa"],
+    "server/radar/simd/echoes": TO_LANES,
+    "server/radar/simd/ground": TO_LANES + [R + "simd/echoes"],
+    "server/radar/simd/buildings": TO_LANES + [R + "simd/echoes", R + "simd/ground"],
+    "server/radar/simd/receiver": TO_LANES,
     "server/radar/profile": TO_PROFILE,
     "server/radar/bins": TO_PROFILE,
     "server/radar/beam_settings": [],
@@ -54,8 +61,8 @@ ALLOWED = {
     "server/radar/frame_plan": TO_PLAN,
     "server/radar/visibility": TO_PLAN,
     "server/radar/echo": TO_PLAN,
-    "server/radar/echo/corners": ["terrain", "server/scene/materials", R + "receiver_settings", R + "simd/exact_math"],
-    "server/radar/echo/scattering": ["terrain", "server/scene/materials", R + "echo/corners", R + "simd/exact_math", R + "simd/cross_section"],
+    "server/radar/echo/corners": ["terrain", "server/scene/materials", R + "receiver_settings", R + "simd/lanes/exact_math"],
+    "server/radar/echo/scattering": ["terrain", "server/scene/materials", R + "echo/corners", R + "simd/lanes/exact_math", R + "simd/echoes/cross_section"],
     "server/radar/rays/ray_batch": TO_GEOMETRY,
     "server/radar/rays/plates": TO_PLATES,
     "server/radar/rays": TO_PLATES + [R + "rays/plates"],
@@ -68,13 +75,13 @@ ALLOWED = {
     "server/ground_query": SERVER_CORE + ["proto"],
     "server/accuracy": SERVER_CORE + ["server/truth"],
     "server/explain": SERVER_CORE + ["server/accuracy"],
-    "server/control": SERVER_CORE + ["proto", "server/security/networks"],
+    "server/control": SERVER_CORE + ["proto", "server/security/networks", "server/log/log_config"],
     "server/flight": SERVER_CORE + ["server/control"],
     "server/output": TO_OUTPUT,
     "server/loading": SERVER_CORE + ["server/truth", "server/accuracy", "server/control"],
     "server/frontier": TO_OUTPUT + ["server/loading"],
     "server/timing": TO_OUTPUT + ["server/stream", "client"],
-    "server/log": ["server/control/sections/log"],
+    "server/log": BASE,
     "server/stream": TO_STREAM,
     "server/rendering": TO_STREAM + ["server/scene", "server/control", "server/flight", "server/output",
         "server/stream"],

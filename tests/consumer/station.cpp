@@ -2,8 +2,8 @@
 // Prints a line a frame, with sums of its planes, that is the same wherever it runs. CA_FILE: by TLS.
 #include <obliq/client/client.h>
 #include <obliq/client/frame_assembler.h>
-#include <obliq/client/recorded_frames.h>
-#include <obliq/client/recording_writer.h>
+#include <obliq/client/recording/recorded_frames.h>
+#include <obliq/client/recording/recording_writer.h>
 #include <obliq/proto/obliq.pb.h>
 
 #include <algorithm>

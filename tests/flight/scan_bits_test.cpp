@@ -42,7 +42,7 @@ void expect_bits_of_whole_frames(const Case& tested) {
   const FrustumKind kind = tested.kind;
   const auto scene = town_in_hills();
   scene->tracer();  // so that the first dwell is not missed for it
-  const ScanWatch<net::SceneRenderer> renderer(scene, "town");
+  const ScanWatch<rendering::SceneRenderer> renderer(scene, "town");
   RadarSettings settings;
   settings.frustum = kind;
   settings.sector_deg = 90;
@@ -75,12 +75,12 @@ void expect_bits_of_whole_frames(const Case& tested) {
     ASSERT_TRUE(poses->add(pose, kStart_ns));
   }
   std::atomic<std::int64_t> now_ns = kStart_ns;
-  net::RenderThreadOptions options;
+  rendering::RenderThreadOptions options;
   options.clock = [&] { return Time(std::chrono::nanoseconds(now_ns.load())); };
   Listener events;
-  net::RenderThread thread(renderer, events, options);
+  rendering::RenderThread thread(renderer, events, options);
   thread.add_radar("main", 1, {snapshot(settings), {}, 0, poses});
-  net::Demand demand;
+  rendering::Demand demand;
   demand.watch_id = 1;
   demand.rate_hz = 1;
   demand.choice.planes = wire::plane_bit(wire::Plane::iq);

@@ -2,7 +2,7 @@
 #include <sstream>
 #include <string>
 
-#include "client/recorded_frames.h"
+#include "client/recording/recorded_frames.h"
 #include "proto/obliq.pb.h"
 #include "tests/fuzz/input.h"
 

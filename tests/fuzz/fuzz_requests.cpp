@@ -29,7 +29,7 @@ class Listener : public Peer {
   }
   void send(MessageType type, const google::protobuf::Message& message,
             std::span<const std::byte> plane) override {
-    BlockPtr block = block_for_one(type, {0, ++sent, 0}, message, takes_json, plane);
+    stream::BlockPtr block = stream::block_for_one(type, {0, ++sent, 0}, message, takes_json, plane);
     if (block->bytes.empty()) fuzz::broken("an answer does not encode");
     outbox.push_control(std::move(block));
   }
@@ -107,7 +107,7 @@ void run(fuzz::Input input) {
     const std::uint64_t before = peer.sent;
     room.handle(peer, type, descriptor);
     if (is_answered(type) && peer.sent == before && !peer.failed) fuzz::broken("a request without an answer");
-    while (const BlockPtr block = peer.outbox.pop()) room.taken(peer, *block);
+    while (const stream::BlockPtr block = peer.outbox.pop()) room.taken(peer, *block);
     while (const auto work = posted.take()) work();
   }
   for (const auto& peer : peers) room.leave(peer);

@@ -65,7 +65,7 @@ void write_streams() {
   }
   write_seed("framing", "frames", kMended + two.bytes);
   // Integers, compressed, of a window.
-  net::StreamChoice choice;
+  stream::StreamChoice choice;
   choice.format = {wire::IqEncoding::ci16_le, wire::Compression::zstd, 8, {{2, 6, 2}, {1, 0, 1}}};
   test::MadeRecording coded;
   std::uint64_t sequence_of_coded = 0;

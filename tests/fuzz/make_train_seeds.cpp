@@ -17,13 +17,13 @@ void write_trains() {
   descriptor.mutable_settings()->set_azimuth_bins(16);
   descriptor.mutable_settings()->set_range_bins(24);
   descriptor.mutable_settings()->set_doppler_pulses(4);
-  net::StreamChoice choice;
+  stream::StreamChoice choice;
   choice.planes = wire::kPulsesPlane;
   std::uint64_t sequence = 0;
-  net::FrameEncoder encoder({.stream_id = 1, .frame_id = 1, .choices = {choice}}, sequence);
+  stream::FrameEncoder encoder({.stream_id = 1, .frame_id = 1, .choices = {choice}}, sequence);
   std::string bytes;
-  const auto add = [&](const std::vector<net::BlockPtr>& blocks) {
-    for (const net::BlockPtr& block : blocks)
+  const auto add = [&](const std::vector<stream::BlockPtr>& blocks) {
+    for (const stream::BlockPtr& block : blocks)
       bytes.append(reinterpret_cast<const char*>(block->bytes.data()), block->bytes.size());
   };
   add(encoder.begin(descriptor));

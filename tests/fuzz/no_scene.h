@@ -5,7 +5,7 @@
 
 namespace obliq::fuzz {
 
-class NoScene : public net::FrameRenderer {
+class NoScene : public rendering::FrameRenderer {
  public:
   std::vector<FieldError> place(const PoseSettings& pose) const override {
     if (pose.height_m < 5000) return {};

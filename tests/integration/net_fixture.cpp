@@ -9,7 +9,7 @@
 namespace obliq::test {
 namespace {
 
-class PatternFrame : public net::PlannedFrame {
+class PatternFrame : public rendering::PlannedFrame {
  public:
   PatternFrame(SettingsPtr settings, const PoseSettings& pose, const std::function<void(int)>& before_wedge)
       : settings_(std::move(settings)), pose_(pose), before_wedge_(before_wedge) {}
@@ -81,7 +81,8 @@ std::vector<FieldError> PatternRenderer::scene_faults(const RadarSettings& setti
   return {{"frustum.kind", "\"sweep\" with flat plates (steel)", "\"oblique\""}};
 }
 
-net::FrameRenderer::Plan PatternRenderer::plan(const SettingsPtr& settings, const PoseSettings& pose) const {
+rendering::FrameRenderer::Plan PatternRenderer::plan(const SettingsPtr& settings,
+                                                     const PoseSettings& pose) const {
   Plan plan;
   // Stands for what only the scene can tell, such as an oblique frustum below the terrain top.
   if (settings->settings.frustum == FrustumKind::oblique && pose.height_m < 10) {
@@ -117,7 +118,7 @@ RadarConfig small_radar(const std::string& name) {
 
 TestServer::TestServer(net::ServerOptions options) : TestServer(renderer_, std::move(options)) {}
 
-TestServer::TestServer(const net::FrameRenderer& renderer, net::ServerOptions options)
+TestServer::TestServer(const rendering::FrameRenderer& renderer, net::ServerOptions options)
     : server_(renderer, {small_radar("main"), small_radar("nose")}, std::move(options)),
       thread_([this] { server_.run(); }) {}
 

@@ -20,7 +20,7 @@ namespace obliq::test {
 constexpr std::uint32_t number(wire::ErrorNumber error) { return static_cast<std::uint32_t>(error); }
 
 /// Bins whose values tell where they belong: power = frame seed + 1000 azimuth + range.
-class PatternRenderer : public net::FrameRenderer {
+class PatternRenderer : public rendering::FrameRenderer {
  public:
   /// Called with a wedge's index, from the thread that renders it. Set before the first frame.
   std::function<void(int)> before_wedge;
@@ -77,7 +77,7 @@ class TestServer {
  public:
   explicit TestServer(net::ServerOptions options = small_options());
   /// The renderer must outlive this.
-  TestServer(const net::FrameRenderer& renderer, net::ServerOptions options);
+  TestServer(const rendering::FrameRenderer& renderer, net::ServerOptions options);
   ~TestServer();
   client::Endpoint endpoint() const { return {"127.0.0.1", server_.port()}; }
   net::Server& server() { return server_; }

@@ -5,7 +5,7 @@
 #include <map>
 #include <thread>
 
-#include "client/recorded_frames.h"
+#include "client/recording/recorded_frames.h"
 #include "tests/integration/daemon.h"
 
 namespace obliq::test {

@@ -20,7 +20,7 @@ net::ServerOptions patient_options() {
   return options;
 }
 
-WebServer::WebServer(const net::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+WebServer::WebServer(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
                      net::ServerOptions options, http::HttpOptions http)
     : server_(io_.context(), renderer, radars, options, net::ReservedPort("127.0.0.1", 0)),
       http_(

@@ -13,7 +13,7 @@ http::HttpOptions web_options();
 /// A stream's server whose clients may also come through HTTP.
 class WebServer {
  public:
-  WebServer(const net::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+  WebServer(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
             net::ServerOptions options, http::HttpOptions http = web_options());
   ~WebServer();
 

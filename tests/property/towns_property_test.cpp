@@ -156,7 +156,7 @@ BinBlock paused_frame(const FramePlan& plan, std::int64_t look) {
   RenderOptions options;
   options.threads = 2;
   options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, bins); };
-  net::ParkedWork work([&] { render_wedges(plan, {0, s.azimuth_bins}, options); }, {}, look);
+  rendering::ParkedWork work([&] { render_wedges(plan, {0, s.azimuth_bins}, options); }, {}, look);
   while (!work.turn([](std::int64_t) { return true; })) {
   }
   return bins;

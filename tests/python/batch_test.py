@@ -14,7 +14,7 @@ import unittest
 import support
 from support import OBLIQD, Folder, obliq
 import numpy as np
-from obliq import _batch, _shards, _world
+from obliq._sets import batch as _batch, shards as _shards, world as _world
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(support.ROOT / "client/python/src")}
 POSES = [{"id": f"p{k:03d}", "latitude_deg": 33.0, "longitude_deg": -99.5, "height_m": 1200.0 + 10 * k, "bearing_deg": 7.0 * k}

@@ -10,7 +10,7 @@ import unittest
 
 import support
 from support import fake, obliq, wire
-from obliq import _wire
+from obliq._protocol import wire as _wire
 
 
 def connected(server, **more):

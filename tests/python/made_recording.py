@@ -1,7 +1,7 @@
 """A recording of any length, made without a server: frames at 10 Hz, or the passes of a turning antenna."""
 import support  # noqa: F401  (finds the package)
 from obliq import wire
-from obliq._wire import encode
+from obliq._protocol.wire import encode
 
 START_NS = 1_767_225_600_000_000_000
 SIM_START_NS = 1_000_000_000_000

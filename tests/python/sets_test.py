@@ -12,7 +12,7 @@ import warnings
 import support
 from support import OBLIQD, Folder, needs, obliq
 import numpy as np
-from obliq import _area, _poses, _self_test, _world
+from obliq._sets import area as _area, poses as _poses, self_test as _self_test, world as _world
 
 warnings.filterwarnings("ignore", message=".*without a scene hash.*")
 SMALL = support.SCENE.replace("azimuth = 64\nrange = 96", "azimuth = 8\nrange = 16")

@@ -4,7 +4,7 @@ import tempfile
 import unittest
 
 from support import fake, obliq, wire
-from obliq import _wire
+from obliq._protocol import wire as _wire
 
 
 def connected(server):

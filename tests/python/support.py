@@ -18,7 +18,8 @@ os.environ.setdefault("OBLIQ_CACHE_DIR", "")  # tests leave nothing in the user'
 
 import obliq  # noqa: E402
 import programs  # noqa: E402
-from obliq import _wire, wire  # noqa: E402
+from obliq import wire  # noqa: E402
+from obliq._protocol import wire as _wire  # noqa: E402
 from programs import BIN, OBLIQ, OBLIQD  # noqa: E402, F401
 
 SCENE = """

@@ -7,9 +7,10 @@ import unittest
 import support
 from support import ROOT, Folder
 import numpy as np
-from obliq import BadStream, Pose, Settings, Window, _crc, _wire, obliq_pb2, places, planes, wire
-from obliq._asked import Subscription
-from obliq._session import Session
+from obliq import BadStream, Pose, Settings, Window, obliq_pb2, places, planes, wire
+from obliq._protocol import crc as _crc, wire as _wire
+from obliq._protocol.asked import Subscription
+from obliq._protocol.session import Session
 
 PROTOCOL = (ROOT / "proto" / "PROTOCOL.md").read_text()
 

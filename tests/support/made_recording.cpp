@@ -21,9 +21,9 @@ double made_power(std::uint64_t frame_id, int azimuth, int range) {
 
 void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence, bool whole,
                const std::string& radar, std::uint32_t stream_id,
-               const std::vector<net::StreamChoice>& choices, std::int64_t sim_time_ns) {
-  net::FrameEncoder encoder({.stream_id = stream_id, .frame_id = frame_id, .choices = choices}, sequence);
-  const auto add = [&](const net::BlockPtr& block) { recording.add(block->bytes, block->type, frame_id); };
+               const std::vector<stream::StreamChoice>& choices, std::int64_t sim_time_ns) {
+  stream::FrameEncoder encoder({.stream_id = stream_id, .frame_id = frame_id, .choices = choices}, sequence);
+  const auto add = [&](const stream::BlockPtr& block) { recording.add(block->bytes, block->type, frame_id); };
   wire::FrameDescriptor descriptor;
   descriptor.set_radar(radar);
   descriptor.set_frame_id(frame_id);

@@ -33,7 +33,7 @@ double made_power(std::uint64_t frame_id, int azimuth, int range);
 /// blocks are made; none: as floats, and all of them.
 void add_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence, bool whole = true,
                const std::string& radar = "main", std::uint32_t stream_id = 1,
-               const std::vector<net::StreamChoice>& choices = {}, std::int64_t sim_time_ns = 0);
+               const std::vector<stream::StreamChoice>& choices = {}, std::int64_t sim_time_ns = 0);
 
 /// Gives a message another time in its header, and the checksum that belongs to it.
 void set_time(MadeRecording& recording, std::size_t message, std::int64_t utc_ns);

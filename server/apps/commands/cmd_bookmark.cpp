@@ -7,10 +7,10 @@
 #include "proto/bookmark.h"
 #include "proto/json_text.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/event_table.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/server_arguments.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/server_arguments.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/server_arguments.h"
-#include "server/apps/commands/stream_arguments.h"
 #include "server/asterix/paced_sender.h"
 #include "server/asterix/radials.h"
 #include "terrain/base/errors.h"

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/state_file.h"
 #include "server/output/frame_files.h"
 #include "terrain/base/errors.h"

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "server/apps/commands/arguments/number_option.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/number_option.h"
 #include "server/apps/scene_arguments.h"
 #include "server/control/sections/targets.h"
 #include "server/explain/explanation.h"

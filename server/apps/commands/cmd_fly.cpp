@@ -10,13 +10,13 @@
 #include <thread>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/server_arguments.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/fly_datagrams.h"
+#include "server/apps/commands/fly/fly_datagrams.h"
+#include "server/apps/commands/fly/track_reader.h"
 #include "server/apps/commands/frame_report.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/server_arguments.h"
-#include "server/apps/commands/stream_arguments.h"
-#include "server/apps/commands/track_reader.h"
 #include "server/control/key.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/units.h"

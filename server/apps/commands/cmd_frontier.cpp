@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "server/apps/commands/arguments/number_option.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/number_option.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/version/version.h"
 #include "server/frontier/frontier_run.h"

@@ -6,10 +6,10 @@
 
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
-#include "server/apps/commands/server_arguments.h"
-#include "server/apps/commands/stream_arguments.h"
 #include "server/apps/scene_arguments.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"

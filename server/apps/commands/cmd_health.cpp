@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "server/apps/commands/arguments/number_option.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/number_option.h"
 #include "server/apps/scene_arguments.h"
 #include "server/control/scene_file.h"
 #include "server/http/http_client.h"

@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/apps/scene_arguments.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/files.h"

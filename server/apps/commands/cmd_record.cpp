@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "client/frame_dispatch.h"
-#include "client/recording_writer.h"
+#include "client/recording/recording_writer.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/server_arguments.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/server_arguments.h"
-#include "server/apps/commands/stream_arguments.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 #include "terrain/base/units.h"

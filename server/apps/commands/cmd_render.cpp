@@ -6,15 +6,15 @@
 #include <set>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/stream_arguments.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/version/version.h"
 #include "server/control/sections/targets.h"
 #include "server/loading/scene_loading.h"
-#include "server/net/request_limits.h"
+#include "server/net/requests/request_limits.h"
 #include "server/output/describe_frame.h"
 #include "server/output/frame_files.h"
 #include "server/output/sample_textures.h"

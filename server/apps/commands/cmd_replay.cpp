@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/server_arguments.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/event_table.h"
 #include "server/apps/commands/frame_report.h"
-#include "server/apps/commands/number_option.h"
 #include "server/apps/commands/replay_server.h"
 #include "server/apps/commands/replay_targets.h"
 #include "server/apps/commands/replay_track.h"
-#include "server/apps/commands/server_arguments.h"
-#include "server/apps/commands/stream_arguments.h"
 #include "server/apps/replay/recorded_time.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "terrain/base/errors.h"

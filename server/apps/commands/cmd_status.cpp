@@ -10,9 +10,9 @@
 
 #include "proto/json_text.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/control/quality_presets.h"
 #include "server/output/describe_frame.h"
 

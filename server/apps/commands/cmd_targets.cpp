@@ -8,8 +8,8 @@
 
 #include "proto/json_text.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/apps/commands/target_fields.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"

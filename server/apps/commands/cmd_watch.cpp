@@ -9,11 +9,11 @@
 
 #include "client/frame_assembler.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/server_arguments.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/commands/commands.h"
 #include "server/apps/commands/frame_report.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/server_arguments.h"
-#include "server/apps/commands/stream_arguments.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

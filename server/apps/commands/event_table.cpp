@@ -9,14 +9,14 @@
 #include <optional>
 #include <vector>
 
-#include "client/recorded_events.h"
-#include "client/recorded_frames.h"
+#include "client/recording/recorded_events.h"
+#include "client/recording/recorded_frames.h"
 #include "proto/bookmark.h"
 #include "proto/claim.h"
 #include "proto/json_text.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
 #include "terrain/base/errors.h"

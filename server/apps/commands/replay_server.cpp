@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
-#include "server/apps/commands/number_option.h"
-#include "server/apps/commands/stream_arguments.h"
+#include "server/apps/commands/arguments/number_option.h"
+#include "server/apps/commands/arguments/stream_arguments.h"
 #include "server/apps/replay/replay_renderer.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/serving.h"
@@ -25,7 +25,7 @@
 #include "server/http/answering.h"
 #include "server/http/page_routes.h"
 #include "server/net/io_thread.h"
-#include "server/net/request_limits.h"
+#include "server/net/requests/request_limits.h"
 #include "server/net/server.h"
 #include "server/websocket/upgrade.h"
 #include "terrain/base/errors.h"
@@ -75,7 +75,7 @@ std::uint16_t port_of(int first, int number) {
 }
 
 net::ServerOptions options_of(const SceneConfig& config, int number,
-                              const std::shared_ptr<net::Security>& security,
+                              const std::shared_ptr<security::Security>& security,
                               const client::RecordingStart& start) {
   net::ServerOptions options = serving_options(config);
   options.port = port_of(config.server.port, number);
@@ -101,7 +101,7 @@ RadarConfig servable_radar(const client::RecordingStart& start, const std::strin
   }
   // Its beam has swept: the passes come out of the recording.
   radar.settings.scan_mode = ScanMode::frame;
-  const net::FrameCost cost = net::replay_cost(radar.settings, start.planes, options);
+  const rendering::FrameCost cost = net::replay_cost(radar.settings, start.planes, options);
   if (const auto over = net::over_memory(radar.settings, cost, 0, options))
     throw InputError(path + ": " + over->text + "; allowed: a larger --max-memory-mb, inf for no limit");
   return radar;
@@ -109,7 +109,7 @@ RadarConfig servable_radar(const client::RecordingStart& start, const std::strin
 
 /// The page and the stream for browsers, beside `server` on its thread.
 std::unique_ptr<http::HttpServer> serve_browsers(const SceneConfig& config, int number,
-                                                 const std::shared_ptr<net::Security>& security,
+                                                 const std::shared_ptr<security::Security>& security,
                                                  net::IoThread& io, net::Server& server) {
   std::vector<http::Route> routes = http::page_routes(parameters_json());
   http::Readiness readiness;
@@ -126,8 +126,8 @@ std::unique_ptr<http::HttpServer> serve_browsers(const SceneConfig& config, int 
           io.context(), [&server] { return &server; }, [] { return http::Page{}; }));
 }
 
-void read_security_again(std::vector<ServedRadar>& served, net::Security& security) {
-  const net::Security::Reloaded reloaded = security.reload();
+void read_security_again(std::vector<ServedRadar>& served, security::Security& security) {
+  const security::Security::Reloaded reloaded = security.reload();
   for (ServedRadar& its : served) its.server->check_credentials();
   for (const std::string& fault : {reloaded.tokens_fault, reloaded.certificate_fault})
     if (!fault.empty()) say_warning(fault + "; the old content stays in force");
@@ -186,7 +186,7 @@ client::RecordingLosses serve_recording(const ServeArguments& arguments, const s
                                         const ReplayOptions& replay) {
   const SceneConfig config = serving_config(arguments);
   check_protection(config);
-  const std::shared_ptr<net::Security> security = server_security(config.server);
+  const std::shared_ptr<security::Security> security = server_security(config.server);
   for (const std::string& warning : security->warnings()) say_warning(warning);
   for (const std::string& warning : address_warnings(config)) say_warning(warning);
   const int radars = static_cast<int>(starts.size());

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/recorded_frames.h"
+#include "client/recording/recorded_frames.h"
 #include "server/apps/replay/replay_player.h"
 
 namespace CLI {

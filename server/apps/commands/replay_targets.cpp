@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/output/frame_files.h"
 #include "server/radar/targets/seen_share.h"
 #include "terrain/base/errors.h"

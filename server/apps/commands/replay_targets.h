@@ -2,7 +2,7 @@
 // `obliq replay FILE --targets OUT.csv`: the truth of a recording.
 #include <string>
 
-#include "client/recorded_frames.h"
+#include "client/recording/recorded_frames.h"
 
 namespace obliq {
 

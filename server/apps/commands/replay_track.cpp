@@ -8,10 +8,10 @@
 #include <optional>
 #include <utility>
 
-#include "client/recording_reader.h"
+#include "client/recording/recording_reader.h"
 #include "proto/obliq.pb.h"
+#include "server/apps/commands/arguments/server_arguments.h"
 #include "server/apps/commands/commands.h"
-#include "server/apps/commands/server_arguments.h"
 #include "server/apps/replay/recorded_time.h"
 #include "terrain/base/errors.h"
 

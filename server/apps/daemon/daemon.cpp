@@ -61,7 +61,8 @@ constexpr double kLastWords_s = 0.5;
 namespace asio = boost::asio;
 
 /// Fails at start-up, rather than on the first subscription, where a radar cannot be rendered as configured.
-void check_radar(const net::FrameRenderer& renderer, const RadarConfig& radar, const LoadReport& loaded) {
+void check_radar(const rendering::FrameRenderer& renderer, const RadarConfig& radar,
+                 const LoadReport& loaded) {
   const auto snapshot = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{radar.settings, 1});
   const auto plan = renderer.plan(snapshot, radar.pose);
   if (!plan.frame) throw InputError("radar \"" + radar.name + "\": " + all_text(plan.errors));
@@ -102,7 +103,7 @@ class Daemon {
 
   SceneConfig config_;
   SceneArguments arguments_;
-  std::shared_ptr<net::Security> security_;
+  std::shared_ptr<security::Security> security_;
   http::Readiness readiness_;
   http::Metrics metrics_;
   net::IoThread io_;
@@ -110,8 +111,8 @@ class Daemon {
   asio::steady_timer pulse_{io_.context()};
   std::unique_ptr<http::HttpServer> http_;
   std::optional<Reloader> reloader_;  ///< the io thread's, once it heeds signals
-  std::optional<net::SceneRenderer> renderer_;
-  std::optional<net::FrameCache> cache_;
+  std::optional<rendering::SceneRenderer> renderer_;
+  std::optional<rendering::FrameCache> cache_;
   std::unique_ptr<SceneKeeper> keeper_;  ///< exchanges the renderer's scene
   std::optional<net::Server> server_;
   net::Server* serving_ = nullptr;  ///< the io thread's: set when clients are served
@@ -261,7 +262,7 @@ void Daemon::load() {
 void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modbus_port) {
   net::ServerOptions options = server_options(config_);
   options.security = security_;
-  options.on_frame = [this](const std::string& radar, const net::RenderedFrame& frame) {
+  options.on_frame = [this](const std::string& radar, const rendering::RenderedFrame& frame) {
     metrics_.frame(radar, frame);
   };
   options.on_request_frame = [this](const net::RenderedRequest& frame) { metrics_.once_frame(frame); };

@@ -86,7 +86,7 @@ struct Reloader::Readers {
   boost::asio::thread_pool scene{1};
 };
 
-Reloader::Reloader(net::IoThread& io, std::shared_ptr<net::Security> security, SceneConfig config,
+Reloader::Reloader(net::IoThread& io, std::shared_ptr<security::Security> security, SceneConfig config,
                    SceneArguments arguments)
     : io_(io),
       security_(std::move(security)),
@@ -121,7 +121,7 @@ void Reloader::begin() {
 }
 
 void Reloader::read_security(int number, net::Server* server) {
-  const net::Security::Reloaded reloaded =
+  const security::Security::Reloaded reloaded =
       server == nullptr ? security_->reload() : server->reload_security();
   std::vector<std::string> faults;
   for (const std::string& fault : {reloaded.tokens_fault, reloaded.certificate_fault})

@@ -12,10 +12,12 @@
 namespace obliq {
 
 class SceneKeeper;
-namespace net {
+namespace security {
 class Security;
+}
+namespace net {
 class Server;
-}  // namespace net
+}
 
 /// What SIGHUP does. Tokens and certificate are read first and reloaded independently of each other and
 /// of the scene, also while a scene is being built. Then the scene file is read: log,
@@ -24,7 +26,7 @@ class Server;
 class Reloader {
  public:
   /// `config` is what runs, as read from the arguments' file, before [accuracy] chose its pixels.
-  Reloader(net::IoThread& io, std::shared_ptr<net::Security> security, SceneConfig config,
+  Reloader(net::IoThread& io, std::shared_ptr<security::Security> security, SceneConfig config,
            SceneArguments arguments);
   ~Reloader();  // waits for what reads
   Reloader(const Reloader&) = delete;
@@ -53,7 +55,7 @@ class Reloader {
   void rest();
 
   net::IoThread& io_;
-  const std::shared_ptr<net::Security> security_;
+  const std::shared_ptr<security::Security> security_;
   const SceneArguments arguments_;
   const SceneConfig at_start_;  ///< what needs a restart to change is still as it was then
   SceneConfig in_file_;

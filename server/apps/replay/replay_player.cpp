@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "client/recorded_events.h"
+#include "client/recording/recorded_events.h"
 #include "proto/obliq.pb.h"
 #include "server/apps/replay/replayed_frame.h"
 #include "server/control/key.h"
@@ -136,7 +136,7 @@ void ReplayPlayer::end() {
   if (!options_.hold) ended_();
 }
 
-net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
+rendering::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
   const std::lock_guard reading(reading_);
   std::optional<Seek> place;
   // Places sought faster than they can be shown do not keep each other from being shown.
@@ -183,7 +183,7 @@ net::FrameRenderer::Plan ReplayPlayer::plan(const SettingsPtr& settings) {
       frame_sim_time_ns_ = sim_time_ns == 0 ? std::nullopt : std::optional(sim_time_ns);
     }
   }
-  net::FrameRenderer::Plan plan;
+  rendering::FrameRenderer::Plan plan;
   const wire::FrameDescriptor& recorded = *due.frame->frame.descriptor;
   RadarSettings as_recorded = settings->settings;
   plan.errors = merge_message(recorded.settings(), as_recorded);

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "client/recorded_frames.h"
-#include "client/recording_search.h"
+#include "client/recording/recorded_frames.h"
+#include "client/recording/recording_search.h"
 #include "server/apps/replay/playback_clock.h"
 #include "server/apps/replay/recorded_time.h"
 #include "server/rendering/frame_renderer.h"
@@ -33,7 +33,7 @@ constexpr double kFastestReplay = 1e6;
 /// What is said to be allowed, before the word for infinity.
 std::string replay_speeds();
 
-class ReplayPlayer : public net::ReplayControl {
+class ReplayPlayer : public rendering::ReplayControl {
  public:
   /// say: gets what is missing in the recording. ended: called once, after the last frame, unless it loops
   /// or holds. Throws InputError.
@@ -50,7 +50,7 @@ class ReplayPlayer : public net::ReplayControl {
   client::RecordingLosses losses() const;
 
   /// The next frame, when it is due; nothing new: waits a while. For one thread at a time.
-  net::FrameRenderer::Plan plan(const SettingsPtr& settings);
+  rendering::FrameRenderer::Plan plan(const SettingsPtr& settings);
 
   /// Hands out no more; a current frame ends at once where it may wait for long.
   void stop();

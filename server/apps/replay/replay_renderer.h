@@ -13,7 +13,7 @@ namespace obliq {
 /// the first client that watches and stands still while none does; a frame that was not asked for in time is
 /// left out when the next one is due, as by a radar. Clients pause it, change its speed and its place; what
 /// one of them does holds for all.
-class ReplayRenderer : public net::FrameRenderer {
+class ReplayRenderer : public rendering::FrameRenderer {
  public:
   /// As ReplayPlayer.
   ReplayRenderer(std::string path, client::RecordingStart start, const ReplayOptions& options,
@@ -27,7 +27,7 @@ class ReplayRenderer : public net::FrameRenderer {
   /// Those that were recorded, and video where it follows from I&Q.
   wire::PlaneSet planes() const override;
   bool has_passes() const override { return player_->has_passes(); }
-  net::ReplayControl* replay() const override { return player_.get(); }
+  rendering::ReplayControl* replay() const override { return player_.get(); }
 
   /// Of another radar of the same recording.
   void keep_in_step(ReplayRenderer& other) { player_->keep_in_step(*other.player_); }

@@ -76,7 +76,7 @@ const wire::ScanPass* ReplayedFrame::scan() const {
   std::int64_t recorded_now_ns = 0;
   if (__builtin_sub_overflow(recorded_->begin_utc_ns, recorded_->clock_offset_ns, &recorded_now_ns))
     recorded_now_ns = 0;
-  scan_->set_begin_ns(by_this_clock(scan_->begin_ns(), recorded_now_ns, net::monotonic_ns()));
+  scan_->set_begin_ns(by_this_clock(scan_->begin_ns(), recorded_now_ns, stream::monotonic_ns()));
   return scan_.get();
 }
 
@@ -106,7 +106,7 @@ void ReplayedFrame::take_dwell(const client::RecordedWedge& recorded) const {
   dwell_.reset();
   if (!recorded.block || !recorded.block->has_pose()) return;
   const wire::WedgeBlock& block = *recorded.block;
-  const std::int64_t now_ns = net::monotonic_ns();
+  const std::int64_t now_ns = stream::monotonic_ns();
   dwell_ = std::make_unique<wire::WedgeBlock>();
   *dwell_->mutable_pose() = block.pose();
   dwell_->set_pose_stale(block.pose_stale());

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/recorded_frames.h"
+#include "client/recording/recorded_frames.h"
 #include "server/apps/replay/playback_clock.h"
 #include "server/radar/receiver/video.h"
 #include "server/rendering/frame_renderer.h"
@@ -14,7 +14,7 @@
 namespace obliq {
 
 /// For the render thread alone.
-class ReplayedFrame : public net::PlannedFrame {
+class ReplayedFrame : public rendering::PlannedFrame {
  public:
   struct Times {
     std::int64_t begin_ns = 0;       ///< of the frame, by the clock

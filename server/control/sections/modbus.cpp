@@ -29,7 +29,7 @@ constexpr std::array kRows{
 void read_allow(const FoundKey& found, SceneConfig& config) {
   for (const ConfigNode* node : found.reader.texts(found.name)) {
     const auto& text = std::get<std::string>(node->value);
-    if (net::is_network(text)) {
+    if (security::is_network(text)) {
       config.modbus.allow.push_back(text);
     } else {
       found.reader.complain(*node, found.name, "an address or a network, such as \"10.0.0.0/24\"");
@@ -52,7 +52,7 @@ const std::array kSpecial{
 /// Off loopback it needs `unprotected` and a list.
 void check_access(SceneReading& scene, SectionReader& reader) {
   const ModbusConfig& config = scene.config.modbus;
-  if (!config.enabled || net::is_loopback_address(config.address)) return;
+  if (!config.enabled || security::is_loopback_address(config.address)) return;
   const ConfigNode* address = reader.table().find("address");
   if (address != nullptr && (!config.unprotected || config.allow.empty()))
     reader.complain(

@@ -5,7 +5,6 @@
 #include <functional>
 #include <utility>
 
-#include "server/control/sections/log.h"
 #include "server/control/sections/section.h"
 #include "server/control/sections/special_values.h"
 

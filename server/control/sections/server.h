@@ -88,5 +88,6 @@ struct FlightConfig {
 };
 
 extern const Section kFlightSection;
+extern const Section kLogSection;
 
 }  // namespace obliq

@@ -9,7 +9,7 @@ const MOST_SHOWN = 50; // the newest
 
 /** @typedef {import("../wire.js").ExerciseEvent} ExerciseEvent */
 
-/** Somebody has set one. @extends {Events<{news: string}>} */
+/** A client has set one. @extends {Events<{news: string}>} */
 export class Bookmarks extends Events {
   /** @param {import("./stream.js").Link} link @param {import("./debrief.js").Debrief} debrief */
   constructor(link, debrief) {

@@ -72,7 +72,7 @@ export class Control extends Events {
   }
 
   /**
-   * The antenna is turned by the settings' holder; the radar, or the platform that it rides on, is moved by whoever holds its
+   * The antenna is turned by the settings' holder; the radar, or the platform that it rides on, is moved by the holder of its
    * pose: this page, when nobody does.
    * @param {Pose} pose fields that change
    */

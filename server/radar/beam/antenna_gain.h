@@ -4,7 +4,7 @@
 
 #include "server/radar/beam/beam_on_ground.h"
 #include "server/radar/settings.h"
-#include "server/radar/simd/cross_section.h"
+#include "server/radar/simd/echoes/cross_section.h"
 
 namespace obliq {
 

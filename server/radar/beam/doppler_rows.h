@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/radar/beam/sharp_wedge.h"
-#include "server/radar/simd/row_doppler.h"
+#include "server/radar/simd/receiver/row_doppler.h"
 
 namespace obliq {
 

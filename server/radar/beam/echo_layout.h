@@ -10,7 +10,7 @@
 #include "server/radar/bins.h"
 #include "server/radar/doppler/ground_doppler.h"
 #include "server/radar/settings.h"
-#include "server/radar/simd/rows.h"
+#include "server/radar/simd/receiver/rows.h"
 #include "terrain/base/errors.h"
 
 namespace obliq {

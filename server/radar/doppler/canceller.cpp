@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
 

@@ -8,7 +8,7 @@
 #include "server/radar/doppler/ground_doppler.h"
 #include "server/radar/doppler/wind.h"
 #include "server/radar/settings.h"
-#include "server/radar/simd/row_doppler.h"
+#include "server/radar/simd/receiver/row_doppler.h"
 
 namespace obliq {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/radar/settings.h"
-#include "server/radar/simd/sharpened_sum.h"
+#include "server/radar/simd/receiver/sharpened_sum.h"
 #include "server/radar/taper.h"
 
 namespace obliq {

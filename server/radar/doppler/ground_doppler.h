@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 
 #include "server/radar/settings.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
 namespace {

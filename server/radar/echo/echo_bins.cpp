@@ -5,9 +5,9 @@
 #include <iterator>
 
 #include "server/radar/echo/sea_echo.h"
-#include "server/radar/simd/cross_section.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/echoes/cross_section.h"
 #include "server/radar/simd/kernels.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {

@@ -8,10 +8,10 @@
 #include "server/radar/echo/scattering.h"
 #include "server/radar/echo/speckle.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/face_voltages.h"
-#include "server/radar/simd/ground_echoes.h"
-#include "server/radar/simd/sea_texture.h"
+#include "server/radar/simd/echoes/face_voltages.h"
+#include "server/radar/simd/echoes/sea_texture.h"
+#include "server/radar/simd/ground/ground_echoes.h"
+#include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
 

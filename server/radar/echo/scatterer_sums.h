@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "server/radar/echo/speckle.h"
-#include "server/radar/simd/bin_samples.h"
+#include "server/radar/simd/echoes/bin_samples.h"
 
 namespace obliq {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
 namespace {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "server/radar/echo/corners.h"
-#include "server/radar/simd/cross_section.h"
+#include "server/radar/simd/echoes/cross_section.h"
 #include "server/scene/materials.h"
 
 namespace obliq {
 
-struct SeaTexture;  // server/radar/simd/sea_texture.h
+struct SeaTexture;  // server/radar/simd/echoes/sea_texture.h
 
 /// What water returns over its gamma in the pipeline (sea_over_gamma); null: nothing more.
 struct SeaOfFrame {

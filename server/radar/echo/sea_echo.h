@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/sea_table.h"
+#include "server/radar/simd/echoes/sea_table.h"
 
 namespace obliq {
 

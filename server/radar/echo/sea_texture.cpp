@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "server/radar/echo/sea_echo.h"
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/hash.h"
 #include "terrain/base/units.h"
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/sea_texture.h"
+#include "server/radar/simd/echoes/sea_texture.h"
 
 namespace obliq {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/hash.h"
 
 namespace obliq {

@@ -6,9 +6,9 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "server/radar/simd/bin_samples.h"
-#include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/ground_speckle.h"
+#include "server/radar/simd/echoes/bin_samples.h"
+#include "server/radar/simd/ground/ground_speckle.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/base/hash.h"
 #include "terrain/world.h"
@@ -103,7 +103,7 @@ class SpeckleField {
 
   /// u_c exp(-j 4 pi r_c / lambda): circular Gaussian with mean square 1 for a cell, unit modulus for a face
   /// that is no larger than one, and for a corner.
-  /// bin: with an owner rule (simd/scatterer_owner.h), that of the power.
+  /// bin: with an owner rule (simd/echoes/scatterer_owner.h), that of the power.
   std::complex<double> response(const Scatterer& scatterer, const OwnBin& bin = {}) const;
 
   /// sqrt(power) response of the block's scatterers, of ground to six digits.

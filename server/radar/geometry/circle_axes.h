@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "server/radar/geometry/sector.h"
-#include "server/radar/simd/circles.h"
+#include "server/radar/simd/buildings/circles.h"
 #include "server/scene/building_circles.h"
 
 namespace obliq {

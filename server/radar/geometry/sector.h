@@ -4,8 +4,8 @@
 
 #include "server/radar/geometry/pose.h"
 #include "server/radar/settings.h"
-#include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/rays.h"
+#include "server/radar/simd/ground/rays.h"
+#include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
 

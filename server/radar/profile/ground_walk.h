@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/ground_cells.h"
-#include "server/radar/simd/horizon.h"
-#include "server/radar/simd/profiles.h"
+#include "server/radar/simd/ground/ground_cells.h"
+#include "server/radar/simd/ground/horizon.h"
+#include "server/radar/simd/ground/profiles.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/asking.h"
 #include "terrain/height_grid.h"
 

@@ -6,8 +6,8 @@
 
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/profile/roofs.h"
-#include "server/radar/simd/exact_math.h"
-#include "server/radar/simd/horizon.h"
+#include "server/radar/simd/ground/horizon.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "server/scene/exact_hit.h"
 #include "server/scene/tolerances.h"
 #include "terrain/world.h"

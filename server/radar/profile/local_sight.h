@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/radar/profile/roofs.h"
-#include "server/radar/simd/ground_cells.h"
+#include "server/radar/simd/ground/ground_cells.h"
 #include "server/scene/exact_hit.h"
 #include "terrain/world.h"
 

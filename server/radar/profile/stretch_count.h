@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/radar/simd/range_axis.h"
+#include "server/radar/simd/echoes/range_axis.h"
 
 namespace obliq {
 

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "server/scene/tile_bounds.h"
 
 namespace obliq {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/radar/geometry/sector.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/buildings/buildings.h"
 #include "terrain/height_grid.h"
 

@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "server/radar/geometry/sector.h"
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {

@@ -5,7 +5,7 @@
 #include "server/radar/rays/packets.h"
 #include "server/radar/rays/ray_batch.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/rays.h"
+#include "server/radar/simd/ground/rays.h"
 
 namespace obliq {
 

@@ -6,7 +6,7 @@
 
 #include "server/radar/bins.h"
 #include "server/radar/samples.h"
-#include "server/radar/simd/rays.h"
+#include "server/radar/simd/ground/rays.h"
 
 namespace obliq {
 

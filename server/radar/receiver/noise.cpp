@@ -7,7 +7,7 @@
 #include "server/radar/beam/point_response.h"
 #include "server/radar/doppler/doppler_response.h"
 #include "server/radar/doppler/ground_doppler.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/units.h"
 
 namespace obliq {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "server/radar/receiver/noise.h"
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/units.h"
 
 namespace obliq {

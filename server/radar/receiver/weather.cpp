@@ -8,7 +8,7 @@
 #include "server/radar/beam/point_response.h"
 #include "server/radar/receiver/gas_lines.h"
 #include "server/radar/receiver/noise.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/units.h"
 
 namespace obliq {

@@ -2,22 +2,22 @@
 // All kernels. A new one: OBLIQ_KERNEL in its header, its name here, its file in CMakeLists.txt.
 #include <vector>
 
-#include "server/radar/simd/bin_samples.h"
-#include "server/radar/simd/cancelled_sums.h"
-#include "server/radar/simd/circles.h"
-#include "server/radar/simd/cut_at_bins.h"
-#include "server/radar/simd/face_voltages.h"
-#include "server/radar/simd/ground_echoes.h"
-#include "server/radar/simd/ground_plates.h"
-#include "server/radar/simd/ground_speckle.h"
-#include "server/radar/simd/profiles.h"
-#include "server/radar/simd/pulse_sums.h"
-#include "server/radar/simd/rays.h"
-#include "server/radar/simd/row_doppler.h"
-#include "server/radar/simd/rows.h"
-#include "server/radar/simd/sea_texture.h"
-#include "server/radar/simd/sharpened_sum.h"
-#include "server/radar/simd/sub_columns.h"
+#include "server/radar/simd/buildings/circles.h"
+#include "server/radar/simd/buildings/sub_columns.h"
+#include "server/radar/simd/echoes/bin_samples.h"
+#include "server/radar/simd/echoes/face_voltages.h"
+#include "server/radar/simd/echoes/sea_texture.h"
+#include "server/radar/simd/ground/cut_at_bins.h"
+#include "server/radar/simd/ground/ground_echoes.h"
+#include "server/radar/simd/ground/ground_plates.h"
+#include "server/radar/simd/ground/ground_speckle.h"
+#include "server/radar/simd/ground/profiles.h"
+#include "server/radar/simd/ground/rays.h"
+#include "server/radar/simd/receiver/cancelled_sums.h"
+#include "server/radar/simd/receiver/pulse_sums.h"
+#include "server/radar/simd/receiver/row_doppler.h"
+#include "server/radar/simd/receiver/rows.h"
+#include "server/radar/simd/receiver/sharpened_sum.h"
 
 namespace obliq {
 

@@ -9,7 +9,7 @@
 
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/sub_columns.h"
+#include "server/radar/simd/buildings/sub_columns.h"
 #include "server/radar/sweep/corner_view.h"
 #include "server/radar/sweep/ground_light.h"
 #include "server/radar/sweep/near_view.h"

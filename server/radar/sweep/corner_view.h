@@ -6,7 +6,7 @@
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/profile/roofs.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/sub_columns.h"
+#include "server/radar/simd/buildings/sub_columns.h"
 
 namespace obliq {
 

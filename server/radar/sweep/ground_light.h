@@ -1,6 +1,6 @@
 #pragma once
 #include "server/radar/echo/echo_cells.h"
-#include "server/radar/simd/sub_columns.h"
+#include "server/radar/simd/buildings/sub_columns.h"
 
 namespace obliq {
 

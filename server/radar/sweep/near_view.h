@@ -5,7 +5,7 @@
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/echo/scattering.h"
 #include "server/radar/profile/roofs.h"
-#include "server/radar/simd/sub_columns.h"
+#include "server/radar/simd/buildings/sub_columns.h"
 #include "server/radar/sweep/corner_view.h"
 #include "server/radar/sweep/near_buildings.h"
 #include "server/radar/sweep/segment_sampler.h"

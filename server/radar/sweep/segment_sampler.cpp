@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/simd/range_run.h"
+#include "server/radar/simd/ground/range_run.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "server/radar/profile/ground_walk.h"
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "server/radar/simd/cut_at_bins.h"
+#include "server/radar/simd/ground/cut_at_bins.h"
 #include "server/radar/sweep/segment_sampler.h"
 
 namespace obliq {

@@ -5,7 +5,7 @@
 #include "server/radar/profile/roofs.h"
 #include "server/radar/profile/stretch_count.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/ground_echoes.h"
+#include "server/radar/simd/ground/ground_echoes.h"
 
 namespace obliq {
 

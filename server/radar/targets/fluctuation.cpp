@@ -1,6 +1,6 @@
 #include "server/radar/targets/fluctuation.h"
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/hash.h"
 
 namespace obliq {

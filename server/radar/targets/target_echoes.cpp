@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "server/radar/geometry/antenna_velocity.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "server/radar/targets/aspect_table.h"
 #include "server/radar/targets/seen_share.h"
 #include "server/radar/targets/target_motion.h"

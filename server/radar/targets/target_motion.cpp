@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "server/radar/targets/route.h"
 #include "terrain/base/units.h"
 #include "terrain/tangent_step.h"

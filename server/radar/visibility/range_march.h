@@ -7,7 +7,7 @@
 
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/profile/roofs.h"
-#include "server/radar/simd/profiles.h"
+#include "server/radar/simd/ground/profiles.h"
 #include "server/radar/visibility/range_visibility.h"
 #include "server/scene/tolerances.h"
 

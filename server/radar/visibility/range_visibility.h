@@ -7,7 +7,7 @@
 #include "server/radar/bins.h"
 #include "server/radar/profile/roofs.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/profiles.h"
+#include "server/radar/simd/ground/profiles.h"
 
 namespace obliq {
 

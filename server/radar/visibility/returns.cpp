@@ -5,7 +5,7 @@
 
 #include "server/radar/profile/line_of_sight.h"
 #include "server/radar/profile/stretch_count.h"
-#include "server/radar/simd/ground_echoes.h"
+#include "server/radar/simd/ground/ground_echoes.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {

@@ -44,9 +44,9 @@ struct Moments {
   std::atomic<Clock::time_point> last_binned;
 };
 
-class WatchedFrame : public net::PlannedFrame {
+class WatchedFrame : public rendering::PlannedFrame {
  public:
-  WatchedFrame(std::unique_ptr<net::PlannedFrame> frame, Moments& moments)
+  WatchedFrame(std::unique_ptr<rendering::PlannedFrame> frame, Moments& moments)
       : frame_(std::move(frame)), moments_(moments) {}
   void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
     frame_->describe(radar, descriptor);
@@ -66,11 +66,11 @@ class WatchedFrame : public net::PlannedFrame {
   }
 
  private:
-  std::unique_ptr<net::PlannedFrame> frame_;
+  std::unique_ptr<rendering::PlannedFrame> frame_;
   Moments& moments_;
 };
 
-class WatchedRenderer : public net::FrameRenderer {
+class WatchedRenderer : public rendering::FrameRenderer {
  public:
   WatchedRenderer(std::shared_ptr<const Scene> scene, Moments& moments)
       : renderer_(std::move(scene), "hills"), moments_(moments) {}
@@ -83,7 +83,7 @@ class WatchedRenderer : public net::FrameRenderer {
   }
 
  private:
-  net::SceneRenderer renderer_;
+  rendering::SceneRenderer renderer_;
   Moments& moments_;
 };
 
@@ -127,7 +127,7 @@ struct Figures {
 /// A server of one radar and a client that is sent every frame of it with all planes, one after the other.
 class Watched {
  public:
-  Watched(const net::FrameRenderer& renderer, const RadarConfig& radar)
+  Watched(const rendering::FrameRenderer& renderer, const RadarConfig& radar)
       : server_(renderer, {radar}, options()) {
     check(client_.connect({"127.0.0.1", server_.port()}));
     client_.set_handler(&watcher);
@@ -188,8 +188,8 @@ Figures measure(const std::shared_ptr<const Scene>& scene, const RadarConfig& ra
 
 /// Frames a second of a radar that stands still, as the daemon serves them.
 double standing_per_s(const std::shared_ptr<const Scene>& scene, const RadarConfig& radar, int frames) {
-  const net::SceneRenderer scenes(scene, "hills");
-  const net::FrameCache renderer(scenes);
+  const rendering::SceneRenderer scenes(scene, "hills");
+  const rendering::FrameCache renderer(scenes);
   Watched watched(renderer, radar);
   for (int k = 0; k < 4; ++k) watched.next_frame();  // from the third on they are repeated
   const auto start = Clock::now();

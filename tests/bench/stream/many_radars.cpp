@@ -59,7 +59,8 @@ struct Seen : client::FrameHandler {
     return {};
   }
   client::Status on_end(const wire::MessageHeader&, const wire::FrameEnd& end) override {
-    latency_s.push_back(end.waited_s() + 1e-9 * static_cast<double>(net::monotonic_ns() - render_start_ns));
+    latency_s.push_back(end.waited_s() +
+                        1e-9 * static_cast<double>(stream::monotonic_ns() - render_start_ns));
     render_s.push_back(end.render_s());
     return {};
   }
@@ -129,7 +130,7 @@ net::ServerOptions options_of(const Arguments& arguments) {
 }
 
 /// What the first radar's frame takes when it has the machine for itself.
-double frame_alone_s(const net::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+double frame_alone_s(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
                      const Arguments& arguments) {
   const bench::Served server(renderer, radars, options_of(arguments));
   Watching watching(server.port(), radars.front().name, 10000, std::min(5.0, arguments.seconds));
@@ -137,7 +138,7 @@ double frame_alone_s(const net::FrameRenderer& renderer, const std::vector<Radar
   return bench::quantile(watching.seen.render_s, 0.5);
 }
 
-Row measure(const net::FrameRenderer& renderer, const std::vector<RadarConfig>& radars, double load,
+Row measure(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars, double load,
             double rate_hz, bool one_slow, const Arguments& arguments) {
   const bench::Served server(renderer, radars, options_of(arguments));
   std::vector<std::unique_ptr<Watching>> clients;
@@ -195,7 +196,7 @@ void run(const Arguments& arguments) {
   const auto scene = std::make_shared<const Scene>(std::make_shared<const World>(load_world(config.world)),
                                                    config.materials, 0);
   if (needs_tracer(*scene, FrustumKind::oblique)) scene->tracer();  // not while frames are timed
-  const net::SceneRenderer renderer(scene, config.name);
+  const rendering::SceneRenderer renderer(scene, config.name);
   nlohmann::ordered_json report{{"radars", arguments.radars}, {"bins", arguments.bins}, {"slower", kSlower}};
   const double frame_s = frame_alone_s(renderer, radars_of(config, arguments, false), arguments);
   const double slow_s = frame_alone_s(renderer, radars_of(config, arguments, true), arguments);

@@ -8,7 +8,7 @@
 namespace obliq::bench {
 namespace {
 
-class PreparedFrame : public net::PlannedFrame {
+class PreparedFrame : public rendering::PlannedFrame {
  public:
   PreparedFrame(SettingsPtr settings, Wedge& wedge) : settings_(std::move(settings)), wedge_(wedge) {}
   void describe(const std::string& radar, wire::FrameDescriptor& descriptor) const override {
@@ -41,7 +41,8 @@ PreparedRenderer::PreparedRenderer(int range_bins) {
     wedge_.bins.video8.push_back(static_cast<std::uint8_t>(i % 77));
 }
 
-net::FrameRenderer::Plan PreparedRenderer::plan(const SettingsPtr& settings, const PoseSettings&) const {
+rendering::FrameRenderer::Plan PreparedRenderer::plan(const SettingsPtr& settings,
+                                                      const PoseSettings&) const {
   Plan plan;
   plan.frame = std::make_unique<PreparedFrame>(settings, wedge_);
   return plan;

@@ -4,7 +4,7 @@
 namespace obliq::bench {
 
 /// Frames that cost nothing to render: each wedge was rendered long ago. For benchmarks of what comes behind.
-class PreparedRenderer : public net::FrameRenderer {
+class PreparedRenderer : public rendering::FrameRenderer {
  public:
   explicit PreparedRenderer(int range_bins);
   std::vector<FieldError> place(const PoseSettings&) const override { return {}; }

@@ -12,7 +12,7 @@ namespace obliq::bench {
 /// warnings alone.
 class Served {
  public:
-  Served(const net::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
+  Served(const rendering::FrameRenderer& renderer, const std::vector<RadarConfig>& radars,
          net::ServerOptions options)
       : server_(renderer, radars, with_free_port(std::move(options))), thread_([this] { server_.run(); }) {
     spdlog::set_level(spdlog::level::warn);

@@ -78,7 +78,7 @@ class Claims : public testing::Test {
                      "another-0123456789\nadmin admin-0123456789\n");
     EXPECT_EQ(chmod(path.c_str(), 0600), 0);
     net::ServerOptions made = small_options();
-    made.security = std::make_shared<net::Security>(net::SecurityFiles{path, "", ""});
+    made.security = std::make_shared<security::Security>(security::SecurityFiles{path, "", ""});
     return made;
   }
   client::Client come(const TestServer& server, const std::string& name) {

@@ -7,7 +7,7 @@
 #include "proto/bookmark.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
-#include "server/net/exercise_log.h"
+#include "server/net/exercise/exercise_log.h"
 #include "server/net/panel.h"
 #include "tests/integration/net_fixture.h"
 

@@ -1,5 +1,5 @@
 // What the log of an exercise keeps, and what it drops when there is more.
-#include "server/net/exercise_log.h"
+#include "server/net/exercise/exercise_log.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The exercise: its state saved and put back, radars reset, all of them stopped.
-#include "server/net/exercise.h"
+#include "server/net/exercise/exercise.h"
 
 #include <gtest/gtest.h>
 

@@ -25,7 +25,7 @@ using net::Transport;
 using wire::MessageType;
 
 /// A bar that clients drag: each wish is news for all of them.
-class Bar : public net::ReplayControl {
+class Bar : public rendering::ReplayControl {
  public:
   std::vector<FieldError> set(const wire::SetReplay&) override {
     changed();
@@ -47,7 +47,7 @@ class Bar : public net::ReplayControl {
 class ReplayedPattern : public PatternRenderer {
  public:
   std::string fixed() const override { return "a replay"; }
-  net::ReplayControl* replay() const override { return &bar; }
+  rendering::ReplayControl* replay() const override { return &bar; }
 
   mutable Bar bar;
 };
@@ -84,7 +84,7 @@ class Scripted : public Transport {
     taken_ += n;
     answer(std::move(done), Transfer::done);
   }
-  void write(const net::Block& message, Done done) override {
+  void write(const stream::Block& message, Done done) override {
     if (!reads_) return wait(std::move(done));
     wire::MessageView view;
     EXPECT_EQ(wire::decode_message(message.bytes, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
@@ -188,7 +188,7 @@ class Told : public ::testing::Test {
     for (std::uint64_t k = 0; k < 3; ++k) {
       peers.push_back(std::make_shared<Listener>(room, k + 1, k == 0));
       room.enter(peers.back());
-      net::Demand demand;
+      rendering::Demand demand;
       demand.rate_hz = 1;
       demand.choice.format.window.azimuth.first = 10;
       room.radars().watch(radar(), *peers.back(), demand);
@@ -327,20 +327,20 @@ TEST(Exposure, OffLoopbackAPortNeedsProtectionOrAPlainWord) {
   const auto complaint = [](const std::string& address, bool tls, bool tokens,
                             bool unprotected) -> std::string {
     try {
-      net::require_protection("server.address", address, {{"TLS", tls}, {"tokens", tokens}},
-                              "server.unprotected", unprotected);
+      security::require_protection("server.address", address, {{"TLS", tls}, {"tokens", tokens}},
+                                   "server.unprotected", unprotected);
     } catch (const InputError& e) {
       return e.what();
     }
     return "";
   };
   for (const std::string here : {"127.0.0.1", "127.8.9.10", "::1", "::ffff:127.0.0.1"}) {
-    EXPECT_TRUE(net::resolves_to_loopback(here)) << here;
+    EXPECT_TRUE(security::resolves_to_loopback(here)) << here;
     EXPECT_EQ(complaint(here, false, false, false), "");
   }
   for (const std::string everywhere :
        {"0.0.0.0", "::", "192.0.2.1", "2001:db8::1", "no such host.invalid", ""}) {
-    EXPECT_FALSE(net::resolves_to_loopback(everywhere)) << everywhere;
+    EXPECT_FALSE(security::resolves_to_loopback(everywhere)) << everywhere;
     EXPECT_NE(complaint(everywhere, false, false, false).find("without TLS and tokens"), std::string::npos);
     EXPECT_NE(complaint(everywhere, true, false, false).find("without tokens;"), std::string::npos);
     EXPECT_NE(complaint(everywhere, false, true, false).find("without TLS;"), std::string::npos);

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "proto/obliq.pb.h"
-#include "server/net/request_limits.h"
+#include "server/net/requests/request_limits.h"
 #include "server/radar/wedge_memory.h"
 #include "server/security/networks.h"
 #include "terrain/base/memory_limit.h"
@@ -105,11 +105,11 @@ TEST(RequestLimits, ThoseWhoHaveNotSaidHelloKeepNobodyOut) {
 }
 
 TEST(RequestLimits, AddressesOfOneNetworkAreOneHost) {
-  EXPECT_EQ(net::network_of("192.0.2.7"), "192.0.2.7");
-  EXPECT_EQ(net::network_of("::ffff:192.0.2.7"), "192.0.2.7");
-  EXPECT_EQ(net::network_of("2001:db8:1:2:3:4:5:6"), net::network_of("2001:db8:1:2::1"));
-  EXPECT_NE(net::network_of("2001:db8:1:2::1"), net::network_of("2001:db8:1:3::1"));
-  EXPECT_EQ(net::network_of("?"), "?");
+  EXPECT_EQ(security::network_of("192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(security::network_of("::ffff:192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(security::network_of("2001:db8:1:2:3:4:5:6"), security::network_of("2001:db8:1:2::1"));
+  EXPECT_NE(security::network_of("2001:db8:1:2::1"), security::network_of("2001:db8:1:3::1"));
+  EXPECT_EQ(security::network_of("?"), "?");
 }
 
 TEST(RequestLimits, PixelsBinsAndMemoryOfARequestHaveLimitsWithNames) {

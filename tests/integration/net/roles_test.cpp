@@ -40,7 +40,8 @@ class Roles : public testing::Test {
   }
   net::ServerOptions options() {
     net::ServerOptions made = small_options();
-    made.security = std::make_shared<net::Security>(net::SecurityFiles{write(all_tokens()), "", ""});
+    made.security =
+        std::make_shared<security::Security>(security::SecurityFiles{write(all_tokens()), "", ""});
     return made;
   }
   static Status come(const TestServer& server, const std::string& token, client::Client& made) {
@@ -49,7 +50,7 @@ class Roles : public testing::Test {
   /// What an operator is told.
   std::string complaint(const std::string& path) {
     try {
-      const auto tokens = net::TokenFile::read(path);
+      const auto tokens = security::TokenFile::read(path);
     } catch (const InputError& e) {
       return e.what();
     }

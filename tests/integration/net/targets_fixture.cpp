@@ -19,7 +19,7 @@ struct NetTargets::Server {
     server.stop();
     thread.join();
   }
-  net::SceneRenderer renderer;
+  rendering::SceneRenderer renderer;
   net::Server server;
   std::thread thread;
 };
@@ -43,7 +43,7 @@ void NetTargets::with_tokens() {
   const std::string path = folder_.write("tokens", std::string("viewer ") + kViewer + "\ncontroller " +
                                                        kController + "\nadmin " + kAdmin + "\n");
   EXPECT_EQ(chmod(path.c_str(), 0600), 0);
-  options_.security = std::make_shared<net::Security>(net::SecurityFiles{path, "", ""});
+  options_.security = std::make_shared<security::Security>(security::SecurityFiles{path, "", ""});
 }
 
 void NetTargets::serve() { server_ = std::make_unique<Server>(*this); }

@@ -24,7 +24,8 @@ class TlsTest : public testing::Test {
   net::ServerOptions options() const {
     net::ServerOptions made = small_options();
     made.handshake_timeout_s = 5;  // signatures take their time on a loaded machine
-    made.security = std::make_shared<net::Security>(net::SecurityFiles{"", own.certificate, own.key});
+    made.security =
+        std::make_shared<security::Security>(security::SecurityFiles{"", own.certificate, own.key});
     return made;
   }
   client::ClientOptions trusting(const std::filesystem::path& certificate) const {
@@ -35,7 +36,7 @@ class TlsTest : public testing::Test {
   }
   std::string complaint(const std::filesystem::path& certificate, const std::filesystem::path& key) const {
     try {
-      const net::Security security(net::SecurityFiles{"", certificate, key});
+      const security::Security security(security::SecurityFiles{"", certificate, key});
     } catch (const InputError& e) {
       return e.what();
     }
@@ -103,7 +104,8 @@ TEST_F(TlsTest, ACertificateThatNobodyVouchesForIsRefused) {
 TEST_F(TlsTest, ACertificateForAnotherHostIsRefused) {
   net::ServerOptions made = options();
   const TestCertificate other = make_certificate(folder.path(), "other", "DNS:radar.example,IP:192.0.2.1");
-  made.security = std::make_shared<net::Security>(net::SecurityFiles{"", other.certificate, other.key});
+  made.security =
+      std::make_shared<security::Security>(security::SecurityFiles{"", other.certificate, other.key});
   const TestServer server(made);
   client::Client client;
   const Status status = client.connect(server.endpoint(), trusting(other.certificate));
@@ -115,7 +117,7 @@ TEST_F(TlsTest, ACertificateForAnotherHostIsRefused) {
 TEST_F(TlsTest, AnExpiredCertificateIsAWarningToTheServerAndRefusedByTheClient) {
   const TestCertificate old = make_certificate(folder.path(), "old", "IP:127.0.0.1", -20, -10);
   net::ServerOptions made = options();
-  made.security = std::make_shared<net::Security>(net::SecurityFiles{"", old.certificate, old.key});
+  made.security = std::make_shared<security::Security>(security::SecurityFiles{"", old.certificate, old.key});
   ASSERT_EQ(made.security->warnings().size(), 1u);
   EXPECT_NE(made.security->warnings()[0].find("old.pem expired on "), std::string::npos);
   const TestServer server(made);

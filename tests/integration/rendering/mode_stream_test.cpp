@@ -8,7 +8,7 @@
 
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
-#include "server/net/request_limits.h"
+#include "server/net/requests/request_limits.h"
 #include "server/radar/beam/pattern_cuts.h"
 #include "server/radar/render.h"
 #include "server/rendering/frame_cache.h"
@@ -80,8 +80,8 @@ class Served1 {
   }
 
  private:
-  net::SceneRenderer renderer_;
-  net::FrameCache cache_;
+  rendering::SceneRenderer renderer_;
+  rendering::FrameCache cache_;
   net::Server server_;
   std::thread thread_;
 

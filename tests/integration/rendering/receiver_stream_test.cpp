@@ -85,8 +85,8 @@ class ReceiverStream : public testing::Test {
 
   const RadarConfig radar_ = noisy_radar();
   std::shared_ptr<const Scene> scene_;
-  std::optional<net::SceneRenderer> renderer_;
-  std::optional<net::FrameCache> cache_;
+  std::optional<rendering::SceneRenderer> renderer_;
+  std::optional<rendering::FrameCache> cache_;
   std::optional<net::Server> server_;
   std::thread thread_;
   client::Client client_;
@@ -179,10 +179,10 @@ TEST_F(ReceiverStream, VideoOfSeveralLooksNeedsNoIq) {
   EXPECT_TRUE(same_bits(alone.video, beside.video));
   RadarSettings settings = radar_.settings;
   settings.video.looks = 100;
-  const net::StreamChoice video{.planes = wire::plane_bit(Plane::video)};
-  EXPECT_FALSE(net::needed_planes(video, settings).iq);
+  const stream::StreamChoice video{.planes = wire::plane_bit(Plane::video)};
+  EXPECT_FALSE(rendering::needed_planes(video, settings).iq);
   settings.video.looks = 1;
-  EXPECT_TRUE(net::needed_planes(video, settings).iq);
+  EXPECT_TRUE(rendering::needed_planes(video, settings).iq);
 }
 
 TEST_F(ReceiverStream, ATableOfThePatternServesAFrameThatIsAskedFor) {

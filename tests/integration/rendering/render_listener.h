@@ -15,28 +15,29 @@
 namespace obliq::test {
 
 /// What the render thread says, decoded.
-class Listener : public net::RenderEvents {
+class Listener : public rendering::RenderEvents {
  public:
-  void on_live_blocks(std::size_t, const net::LiveFramePtr&, std::vector<net::BlockPtr> blocks) override {
+  void on_live_blocks(std::size_t, const stream::LiveFramePtr&,
+                      std::vector<stream::BlockPtr> blocks) override {
     const std::lock_guard lock(mutex_);
-    for (const net::BlockPtr& block : blocks) take(*block);
+    for (const stream::BlockPtr& block : blocks) take(*block);
     changed_.notify_all();
   }
-  void on_live_rendered(std::size_t, const net::RenderedFrame& frame) override {
+  void on_live_rendered(std::size_t, const rendering::RenderedFrame& frame) override {
     const std::lock_guard lock(mutex_);
     missed += frame.dwells_missed;
   }
   void on_live_held_up(std::size_t, double) override {}
   void on_finished() override {}
-  void on_live_fault(std::size_t, const std::shared_ptr<const net::LiveView>&,
+  void on_live_fault(std::size_t, const std::shared_ptr<const rendering::LiveView>&,
                      const std::vector<FieldError>& errors) override {
     const std::lock_guard lock(mutex_);
     faults.push_back(errors.front().field);
     changed_.notify_all();
   }
-  void on_request_block(const net::FrameRequestPtr&, const net::BlockPtr&) override {}
+  void on_request_block(const net::FrameRequestPtr&, const stream::BlockPtr&) override {}
   void on_request_rendered(const net::RenderedRequest&) override {}
-  void on_appraised(const net::AppraisalPtr&, const std::vector<FieldError>&) override {}
+  void on_appraised(const rendering::AppraisalPtr&, const std::vector<FieldError>&) override {}
   void on_request_fault(const net::FrameRequestPtr&, const std::vector<FieldError>&) override {}
 
   template <typename Condition>
@@ -58,7 +59,7 @@ class Listener : public net::RenderEvents {
   std::uint64_t missed = 0;
 
  private:
-  void take(const net::Block& block) {
+  void take(const stream::Block& block) {
     wire::MessageView view;
     ASSERT_EQ(wire::decode_message(block.bytes, wire::kMaxPayloadBytes, view), wire::MessageStatus::ok);
     const auto parse = [&](auto& list) {

@@ -34,8 +34,8 @@ class ScanTest : public ::testing::Test {
     thread_.start();
     while (!renderer_.scan_has_begun) std::this_thread::yield();
   }
-  static net::Demand demand() {
-    net::Demand demand;
+  static rendering::Demand demand() {
+    rendering::Demand demand;
     demand.watch_id = 1;
     demand.rate_hz = 5;
     demand.choice.planes = wire::plane_bit(wire::Plane::power);
@@ -50,8 +50,8 @@ class ScanTest : public ::testing::Test {
     advance_to(0.07);
     return events_.wait([&] { return events_.wedges.size() == 1; });
   }
-  net::RenderThreadOptions options() {
-    net::RenderThreadOptions options;
+  rendering::RenderThreadOptions options() {
+    rendering::RenderThreadOptions options;
     options.threads = 1;
     options.clock = [this] { return Time(std::chrono::nanoseconds(now_ns_.load())); };
     return options;
@@ -64,7 +64,7 @@ class ScanTest : public ::testing::Test {
   SettingsPtr settings_;
   ScanWatch<PatternRenderer> renderer_;
   Listener events_;
-  net::RenderThread thread_{renderer_, events_, options()};
+  rendering::RenderThread thread_{renderer_, events_, options()};
 };
 
 TEST_F(ScanTest, EachDwellComesWhenTheBeamIsThere) {
@@ -159,7 +159,7 @@ TEST_F(ScanTest, WhoComesWhileTheBeamIsHeldGetsOneStillAndThePassGoesOnAsItWas) 
   ASSERT_TRUE(first_dwell_comes(ScanMode::sector));
   advance_to(0.08);
   thread_.hold(true);
-  net::Demand late = demand();
+  rendering::Demand late = demand();
   late.watch_id = 2;
   thread_.set_demand(0, {demand(), late});
   ASSERT_TRUE(events_.wait([&] { return events_.ends.size() == 1; }));

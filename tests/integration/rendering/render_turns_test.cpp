@@ -18,10 +18,10 @@ namespace {
 using Time = std::chrono::steady_clock::time_point;
 
 /// Counts what a live radar sends between the begin of a RenderOnce frame and its first wedge.
-class TurnCounter : public net::RenderEvents {
+class TurnCounter : public rendering::RenderEvents {
  public:
-  void on_live_blocks(std::size_t radar, const net::LiveFramePtr&,
-                      std::vector<net::BlockPtr> blocks) override {
+  void on_live_blocks(std::size_t radar, const stream::LiveFramePtr&,
+                      std::vector<stream::BlockPtr> blocks) override {
     const std::lock_guard lock(mutex_);
     if (begun_ && !wedge_) ++live_blocks_;
     const wire::MessageType type = blocks.front()->type;
@@ -33,14 +33,14 @@ class TurnCounter : public net::RenderEvents {
     if (radar == 1 && type == wire::MessageType::frame_end && long_frame_) ++short_ends_within_long_;
     changed_.notify_all();
   }
-  void on_live_rendered(std::size_t, const net::RenderedFrame&) override {}
+  void on_live_rendered(std::size_t, const rendering::RenderedFrame&) override {}
   void on_live_held_up(std::size_t, double) override {}
   void on_finished() override {}
-  void on_live_fault(std::size_t, const std::shared_ptr<const net::LiveView>&,
+  void on_live_fault(std::size_t, const std::shared_ptr<const rendering::LiveView>&,
                      const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
-  void on_request_block(const net::FrameRequestPtr&, const net::BlockPtr& block) override {
+  void on_request_block(const net::FrameRequestPtr&, const stream::BlockPtr& block) override {
     const std::lock_guard lock(mutex_);
     begun_ = true;
     wedge_ = wedge_ || block->type == wire::MessageType::wedge_block;
@@ -48,7 +48,7 @@ class TurnCounter : public net::RenderEvents {
     changed_.notify_all();
   }
   void on_request_rendered(const net::RenderedRequest&) override {}
-  void on_appraised(const net::AppraisalPtr&, const std::vector<FieldError>&) override {}
+  void on_appraised(const rendering::AppraisalPtr&, const std::vector<FieldError>&) override {}
   void on_request_fault(const net::FrameRequestPtr&, const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
@@ -116,11 +116,11 @@ class Turns : public ::testing::Test {
     options_.look = 1000;
     options_.clock = [this] { return Time(std::chrono::milliseconds(now_ms_ += 50)); };
   }
-  net::LiveView view(const RadarSettings& settings, bool live) const {
+  rendering::LiveView view(const RadarSettings& settings, bool live) const {
     return {snapshot(settings), pose_, 0, live ? std::make_shared<PoseTimeLine>(pose_) : nullptr};
   }
-  static net::Demand demand(std::uint64_t watch_id) {
-    net::Demand demand;
+  static rendering::Demand demand(std::uint64_t watch_id) {
+    rendering::Demand demand;
     demand.watch_id = watch_id;
     demand.rate_hz = 100;
     demand.choice.planes = wire::plane_bit(wire::Plane::power);
@@ -136,7 +136,7 @@ class Turns : public ::testing::Test {
   }
   /// One frame of `settings` while a live radar is always due.
   void render_beside(const RadarSettings& live, const RadarSettings& settings) {
-    net::RenderThread thread(renderer_, events_, options_);
+    rendering::RenderThread thread(renderer_, events_, options_);
     thread.add_radar("main", 1, view(live, true));
     thread.set_demand(0, {demand(1)});
     const auto job = std::make_shared<net::FrameRequest>();
@@ -149,11 +149,11 @@ class Turns : public ::testing::Test {
     thread.end();
   }
 
-  const net::SceneRenderer renderer_{make_scene(load_world(synthetic_spec(SyntheticKind::hills, 7000, 100))),
-                                     "hills"};
+  const rendering::SceneRenderer renderer_{
+      make_scene(load_world(synthetic_spec(SyntheticKind::hills, 7000, 100))), "hills"};
   PoseSettings pose_ = test::settings_over_origin(1400);
   std::atomic<std::int64_t> now_ms_ = 0;
-  net::RenderThreadOptions options_;
+  rendering::RenderThreadOptions options_;
   TurnCounter events_;
 };
 
@@ -199,7 +199,7 @@ TEST_F(Turns, ALiveRadarHasItsFramesWhileOneAzimuthBinHasManyPlanes) {
 }
 
 TEST_F(Turns, AFrameThatIsStoppedInItsMiddleIsAbortedThoughItWaitsForItsTurn) {
-  net::RenderThread thread(renderer_, events_, options_);
+  rendering::RenderThread thread(renderer_, events_, options_);
   RadarSettings settings = small_radar();
   settings.azimuth_bins = 1;
   settings.pixel_columns = settings.pixel_rows = kSide;
@@ -215,7 +215,7 @@ TEST_F(Turns, AFrameThatIsStoppedInItsMiddleIsAbortedThoughItWaitsForItsTurn) {
 
 /// A pass that is one dwell.
 TEST_F(Turns, ALongDwellGivesWayToShortFramesOfAnotherRadar) {
-  net::RenderThread thread(renderer_, events_, options_);
+  rendering::RenderThread thread(renderer_, events_, options_);
   RadarSettings settings = small_radar();
   settings.azimuth_bins = 8;
   settings.pixel_columns = settings.pixel_rows = kSide;
@@ -233,7 +233,7 @@ TEST_F(Turns, ALongDwellGivesWayToShortFramesOfAnotherRadar) {
 }
 
 TEST_F(Turns, ALongFrameOfOneRadarGivesWayInItsMiddleToShortOnesOfAnother) {
-  net::RenderThread thread(renderer_, events_, options_);
+  rendering::RenderThread thread(renderer_, events_, options_);
   RadarSettings settings = small_radar();
   settings.azimuth_bins = 1;
   settings.pixel_columns = settings.pixel_rows = kSide;  // 64 batches, all of one wedge

@@ -31,19 +31,19 @@ RadarConfig radar(const std::string& name) {
 }
 
 /// A viewer, a controller, an admin.
-std::shared_ptr<net::Security> three_roles() {
+std::shared_ptr<security::Security> three_roles() {
   const auto file =
       std::filesystem::temp_directory_path() / ("session_bytes_tokens." + std::to_string(getpid()));
   std::ofstream(file) << "viewer viewer-token-0123456789\ncontroller controller-token-0123456789\n"
                          "admin admin-token-0123456789\n";
   std::filesystem::permissions(file, std::filesystem::perms::owner_read);
-  auto security = std::make_shared<net::Security>(net::SecurityFiles{file, "", ""});
+  auto security = std::make_shared<security::Security>(security::SecurityFiles{file, "", ""});
   std::filesystem::remove(file);
   return security;
 }
 
 /// Before the frame's second wedge there is the gate.
-class GatedFrame : public net::PlannedFrame {
+class GatedFrame : public rendering::PlannedFrame {
  public:
   GatedFrame(std::unique_ptr<PlannedFrame> frame, Gate& gate) : frame_(std::move(frame)), gate_(gate) {}
   const PlannedFrame& behind() const { return *frame_; }
@@ -80,14 +80,14 @@ class GatedFrame : public net::PlannedFrame {
 
 }  // namespace
 
-net::FrameRenderer::Plan GatedRenderer::gated(Plan plan) const {
+rendering::FrameRenderer::Plan GatedRenderer::gated(Plan plan) const {
   if (plan.frame) plan.frame = std::make_unique<GatedFrame>(std::move(plan.frame), gate_);
   return plan;
 }
 
-net::FrameRenderer::Plan GatedRenderer::plan_again(const net::PlannedFrame& frame,
-                                                   const SettingsPtr& settings,
-                                                   const PoseSettings& pose) const {
+rendering::FrameRenderer::Plan GatedRenderer::plan_again(const rendering::PlannedFrame& frame,
+                                                         const SettingsPtr& settings,
+                                                         const PoseSettings& pose) const {
   return gated(SceneRenderer::plan_again(dynamic_cast<const GatedFrame&>(frame).behind(), settings, pose));
 }
 

@@ -21,13 +21,13 @@ std::vector<RadarConfig> session_radars();
 net::ServerOptions session_options();
 
 /// Rendering stops at the gate before the second wedge of every frame.
-class GatedRenderer : public net::SceneRenderer {
+class GatedRenderer : public rendering::SceneRenderer {
  public:
   explicit GatedRenderer(Gate& gate) : SceneRenderer(session_scene(), "hills"), gate_(gate) {}
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override {
     return gated(SceneRenderer::plan(settings, pose));
   }
-  Plan plan_again(const net::PlannedFrame& frame, const SettingsPtr& settings,
+  Plan plan_again(const rendering::PlannedFrame& frame, const SettingsPtr& settings,
                   const PoseSettings& pose) const override;
 
  private:

@@ -78,7 +78,8 @@ TEST(WebSocketDoor, ThroughTlsAndWithATokenItIsTheSame) {
   const std::string tokens = folder.write("tokens", "viewer viewer-token-0123456789\n");
   std::filesystem::permissions(tokens, std::filesystem::perms::owner_read);
   net::ServerOptions options = patient_options();
-  options.security = std::make_shared<net::Security>(net::SecurityFiles{tokens, own.certificate, own.key});
+  options.security =
+      std::make_shared<security::Security>(security::SecurityFiles{tokens, own.certificate, own.key});
   Pattern pattern(options);
   WebPeer peer(pattern.server.web(),
                {.origin = "https://" + pattern.server.web().text(), .ca_file = own.certificate});

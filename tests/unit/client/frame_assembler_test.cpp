@@ -23,14 +23,15 @@ using client::parse_endpoint;
 
 /// A pass of which the first wedges come.
 struct Pass {
-  explicit Pass(int n_azimuth = 24, int n_range = 32, int wedges = 1, const StreamChoice& choice = {}) {
-    encoder = std::make_unique<FrameEncoder>(
-        FrameIdentity{.stream_id = 9, .frame_id = 4, .choices = {choice}}, sequence);
+  explicit Pass(int n_azimuth = 24, int n_range = 32, int wedges = 1,
+                const stream::StreamChoice& choice = {}) {
+    encoder = std::make_unique<stream::FrameEncoder>(
+        stream::FrameIdentity{.stream_id = 9, .frame_id = 4, .choices = {choice}}, sequence);
     EXPECT_TRUE(feed(frames, *encoder->begin(descriptor(n_azimuth, n_range)).front()).ok());
     for (int wedge = 0; wedge < wedges; ++wedge) add(wedge, n_range);
   }
   void add(int wedge, int n_range) {
-    for (const BlockPtr& block : encoder->wedge(wedge, filled(8 * wedge, 8, n_range))) {
+    for (const stream::BlockPtr& block : encoder->wedge(wedge, filled(8 * wedge, 8, n_range))) {
       EXPECT_TRUE(is_ok(feed(frames, *block)));
     }
   }
@@ -44,7 +45,7 @@ struct Pass {
   }
 
   std::uint64_t sequence = 0;
-  std::unique_ptr<FrameEncoder> encoder;
+  std::unique_ptr<stream::FrameEncoder> encoder;
   FrameAssembler frames;
 };
 
@@ -110,23 +111,23 @@ struct Trains {
   explicit Trains(int ranges = 32, const wire::Window& window = {},
                   wire::IqEncoding iq = wire::IqEncoding::cf32_le)
       : n_range(ranges), frames(wire::kPulsesPlane) {
-    StreamChoice choice;
+    stream::StreamChoice choice;
     choice.planes = wire::kPulsesPlane;
     choice.format = {.iq = iq, .window = window};
-    encoder = std::make_unique<FrameEncoder>(
-        FrameIdentity{.stream_id = 9, .frame_id = 4, .choices = {choice}}, sequence);
+    encoder = std::make_unique<stream::FrameEncoder>(
+        stream::FrameIdentity{.stream_id = 9, .frame_id = 4, .choices = {choice}}, sequence);
     wire::FrameDescriptor message = descriptor(24, n_range);
     message.mutable_settings()->set_doppler_pulses(kPulses);
     EXPECT_TRUE(feed(frames, *encoder->begin(message).front()).ok());
   }
-  std::vector<BlockPtr> blocks(int first_azimuth) {
+  std::vector<stream::BlockPtr> blocks(int first_azimuth) {
     PulseTrain train{{first_azimuth, 8}, kPulses, n_range, {1e6, 2e6}, 12.5, -30, {}};
     for (int k = 0; k < kPulses * n_range; ++k)
       train.iq.emplace_back(static_cast<float>(k), static_cast<float>(first_azimuth));
     return encoder->train(train);
   }
   client::Status add(int first_azimuth) {
-    for (const BlockPtr& block : blocks(first_azimuth))
+    for (const stream::BlockPtr& block : blocks(first_azimuth))
       if (const client::Status status = feed(frames, *block); !status.ok()) return status;
     return {};
   }
@@ -134,7 +135,7 @@ struct Trains {
 
   int n_range;
   std::uint64_t sequence = 0;
-  std::unique_ptr<FrameEncoder> encoder;
+  std::unique_ptr<stream::FrameEncoder> encoder;
   FrameAssembler frames;
 };
 
@@ -198,7 +199,7 @@ TEST(FrameAssembler, APassCannotMissMoreThanItHas) {
 }
 
 TEST(FrameAssembler, AWindowMayBeNarrowerThanThePassHasGaps) {
-  StreamChoice choice;
+  stream::StreamChoice choice;
   choice.format.window = {{4, 1, 1}, {}};
   Pass pass(24, 32, 1, choice);
   EXPECT_TRUE(pass.end({{8, 1}, {16, 1}}).ok());
@@ -268,9 +269,9 @@ TEST(Transport, APeerOfThisMachineHasTheSameSendBufferWhateverClothesItsAddressW
 
 TEST(Exposure, LoopbackInIPv6ClothesIsLoopback) {
   for (const char* here : {"127.0.0.1", "127.9.9.9", "::1", "::ffff:127.0.0.1", "localhost"})
-    EXPECT_TRUE(net::resolves_to_loopback(here)) << here;
+    EXPECT_TRUE(security::resolves_to_loopback(here)) << here;
   for (const char* everywhere : {"0.0.0.0", "::", "::ffff:192.0.2.7", "192.0.2.7", ""})
-    EXPECT_FALSE(net::resolves_to_loopback(everywhere)) << everywhere;
+    EXPECT_FALSE(security::resolves_to_loopback(everywhere)) << everywhere;
 }
 
 }  // namespace

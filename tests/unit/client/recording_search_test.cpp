@@ -1,5 +1,5 @@
 // A frame is found by its time wherever it lies, in files of any length, also damaged ones.
-#include "client/recording_search.h"
+#include "client/recording/recording_search.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

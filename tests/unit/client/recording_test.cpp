@@ -10,9 +10,9 @@
 #include <set>
 #include <sstream>
 
-#include "client/recorded_frames.h"
-#include "client/recording_reader.h"
-#include "client/recording_writer.h"
+#include "client/recording/recorded_frames.h"
+#include "client/recording/recording_reader.h"
+#include "client/recording/recording_writer.h"
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 #include "server/stream/frame_encoder.h"
@@ -186,7 +186,7 @@ TEST(Recording, AFileOfNothingButHeadersEnds) {
 }
 
 TEST(Recording, OfIntegersCompressedGivesTheValuesThatAClientWouldHaveGot) {
-  net::StreamChoice choice;
+  stream::StreamChoice choice;
   choice.format.iq = wire::IqEncoding::ci16_le;
   choice.format.compression = wire::Compression::zstd;
   MadeRecording made;
@@ -225,7 +225,7 @@ TEST(Recording, AFrameThatIsTooLargeIsLostAndCountedOnce) {
 }
 
 TEST(Recording, OfAPartOfTheBinsIsReplayed) {
-  net::StreamChoice choice;
+  stream::StreamChoice choice;
   choice.format.window = {{2, 6, 2}, {1, 0, 1}};
   MadeRecording made;
   std::uint64_t sequence = 0;
@@ -261,8 +261,8 @@ TEST(Recording, AFileThatCannotBeReadAnyFurtherIsNotTakenForOneThatWasCut) {
 TEST(Recording, WhatAScanningAntennaMissedIsAWedgeAtThePassesEnd) {
   MadeRecording made;
   std::uint64_t sequence = 0;
-  net::FrameEncoder encoder({.stream_id = 1, .frame_id = 1}, sequence);
-  const auto add = [&](const net::BlockPtr& block) { made.add(block->bytes, block->type, 1); };
+  stream::FrameEncoder encoder({.stream_id = 1, .frame_id = 1}, sequence);
+  const auto add = [&](const stream::BlockPtr& block) { made.add(block->bytes, block->type, 1); };
   wire::FrameDescriptor descriptor;
   descriptor.set_radar("main");
   descriptor.mutable_settings()->set_azimuth_bins(kMadeAzimuths);

@@ -104,32 +104,32 @@ TEST(ModbusMap, WholeNumbersOf64BitsKeepAllOfThem) {
 }
 
 TEST(Networks, HoldTheirAddressesAndNoOthers) {
-  EXPECT_TRUE(net::is_within("10.0.0.255", {"10.0.0.0/24"}));
-  EXPECT_FALSE(net::is_within("10.0.1.0", {"10.0.0.0/24"}));
-  EXPECT_TRUE(net::is_within("10.0.1.0", {"10.0.0.0/23"}));
-  EXPECT_TRUE(net::is_within("::ffff:10.0.0.7", {"10.0.0.0/24"}));
-  EXPECT_TRUE(net::is_within("1.2.3.4", {"0.0.0.0/0"}));
-  EXPECT_FALSE(net::is_within("::1", {"0.0.0.0/0"}));
-  EXPECT_TRUE(net::is_within("fd00:1::5", {"192.0.2.1", "fd00::/8"}));
-  EXPECT_FALSE(net::is_within("fe00::5", {"fd00::/8"}));
-  EXPECT_FALSE(net::is_within("192.0.2.2", {"192.0.2.1"}));
-  EXPECT_FALSE(net::is_within("nonsense", {"0.0.0.0/0"}));
-  EXPECT_FALSE(net::is_within("1.2.3.4", {}));
+  EXPECT_TRUE(security::is_within("10.0.0.255", {"10.0.0.0/24"}));
+  EXPECT_FALSE(security::is_within("10.0.1.0", {"10.0.0.0/24"}));
+  EXPECT_TRUE(security::is_within("10.0.1.0", {"10.0.0.0/23"}));
+  EXPECT_TRUE(security::is_within("::ffff:10.0.0.7", {"10.0.0.0/24"}));
+  EXPECT_TRUE(security::is_within("1.2.3.4", {"0.0.0.0/0"}));
+  EXPECT_FALSE(security::is_within("::1", {"0.0.0.0/0"}));
+  EXPECT_TRUE(security::is_within("fd00:1::5", {"192.0.2.1", "fd00::/8"}));
+  EXPECT_FALSE(security::is_within("fe00::5", {"fd00::/8"}));
+  EXPECT_FALSE(security::is_within("192.0.2.2", {"192.0.2.1"}));
+  EXPECT_FALSE(security::is_within("nonsense", {"0.0.0.0/0"}));
+  EXPECT_FALSE(security::is_within("1.2.3.4", {}));
 }
 
 TEST(Networks, AreToldFromWhatIsNone) {
   for (const char* good : {"10.0.0.0/24", "10.1.2.3", "::1", "fd00::/8", "0.0.0.0/0", "10.1.2.3/32"})
-    EXPECT_TRUE(net::is_network(good)) << good;
+    EXPECT_TRUE(security::is_network(good)) << good;
   for (const char* bad :
        {"", "10.0.0.1/24", "10.0.0.0/33", "10.0.0/24", "fd00::1/8", "host", "10.0.0.0/", "/8"})
-    EXPECT_FALSE(net::is_network(bad)) << bad;
+    EXPECT_FALSE(security::is_network(bad)) << bad;
 }
 
 TEST(Networks, LoopbackIsToldFromElsewhere) {
   for (const char* here : {"127.0.0.1", "127.9.9.9", "::1", "localhost", "::ffff:127.0.0.1"})
-    EXPECT_TRUE(net::is_loopback_address(here)) << here;
+    EXPECT_TRUE(security::is_loopback_address(here)) << here;
   for (const char* elsewhere : {"0.0.0.0", "::", "10.0.0.1", "example.org", ""})
-    EXPECT_FALSE(net::is_loopback_address(elsewhere)) << elsewhere;
+    EXPECT_FALSE(security::is_loopback_address(elsewhere)) << elsewhere;
 }
 
 }  // namespace

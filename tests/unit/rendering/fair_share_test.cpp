@@ -11,7 +11,7 @@
 namespace obliq::test {
 namespace {
 
-using namespace net;
+using namespace rendering;
 
 using Time = FrameDates::Time;
 using Duration = FrameDates::Duration;

@@ -28,7 +28,7 @@ std::shared_ptr<const Scene> hills() {
   return scene;
 }
 
-struct CountingRenderer : net::SceneRenderer {
+struct CountingRenderer : rendering::SceneRenderer {
   using SceneRenderer::SceneRenderer;
   Plan plan(const SettingsPtr& settings, const PoseSettings& pose) const override {
     ++plans;
@@ -81,7 +81,7 @@ class FrameCache : public testing::Test {
   }
 
   CountingRenderer scenes_{hills(), "hills"};
-  net::FrameCache cache_{scenes_};
+  rendering::FrameCache cache_{scenes_};
   TargetsPtr targets_;
   bool rendered_ = false;  // by the last frame()
   PoseSettings pose_ = test::settings_over_origin(1500);
@@ -231,7 +231,7 @@ TEST_F(FrameCache, AFrameThatPausesIsKeptWhole) {
   const auto planned = cache_.plan(settings, pose_);
   RenderOptions options;
   options.threads = 1;
-  net::ParkedWork work([&] { EXPECT_TRUE(planned.frame->render(kAll, options)); }, {}, 0);
+  rendering::ParkedWork work([&] { EXPECT_TRUE(planned.frame->render(kAll, options)); }, {}, 0);
   int turns = 1;
   while (!work.turn([](std::int64_t) { return true; })) ++turns;
   EXPECT_GT(turns, 4);
@@ -255,7 +255,7 @@ TEST_F(FrameCache, AFrameThatWasStoppedIsNotKeptAndARepeatedOneStops) {
 }
 
 TEST_F(FrameCache, NoMoreIsKeptThanAllowed) {
-  const net::FrameCache small(scenes_, 1000);
+  const rendering::FrameCache small(scenes_, 1000);
   const SettingsPtr settings = test::small_settings(FrustumKind::sweep);
   for (int k = 0; k < 3; ++k) {
     EXPECT_TRUE(small.plan(settings, pose_).frame->render(kAll, {}));
@@ -267,7 +267,7 @@ TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
   // Four million posts: no machine builds them in the moment that plan() waits.
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 20000, 20)),
                                       test::two_materials(), RayMethod::embree);
-  const net::SceneRenderer renderer(scene, "flat");
+  const rendering::SceneRenderer renderer(scene, "flat");
   const PoseSettings pose = test::settings_over_origin(2000);
   EXPECT_TRUE(renderer.plan(test::small_settings(FrustumKind::sweep), pose).frame);
   EXPECT_EQ(scene->built_tracer(), nullptr);
@@ -284,7 +284,7 @@ TEST(SceneRenderer, SweepsGoOnWhileTheRayTracersSceneIsBuilt) {
 
 TEST(SceneRenderer, BareGroundNeedsNoRayTracer) {
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)));
-  const net::SceneRenderer renderer(scene, "flat");
+  const rendering::SceneRenderer renderer(scene, "flat");
   for (const FrustumKind kind : {FrustumKind::oblique, FrustumKind::symmetric})
     EXPECT_TRUE(renderer.plan(test::small_settings(kind), test::settings_over_origin(2000)).frame);
   EXPECT_EQ(scene->built_tracer(), nullptr);
@@ -293,7 +293,7 @@ TEST(SceneRenderer, BareGroundNeedsNoRayTracer) {
 TEST(SceneRenderer, WhatCannotBePlannedBuildsNothing) {
   const auto scene = test::make_scene(load_world(test::synthetic_spec(SyntheticKind::flat, 10000, 50)),
                                       test::two_materials(), RayMethod::embree);
-  const net::SceneRenderer renderer(scene, "flat");
+  const rendering::SceneRenderer renderer(scene, "flat");
   EXPECT_FALSE(renderer.plan(test::small_settings(FrustumKind::oblique), test::settings_over_origin(-10))
                    .errors.empty())
       << "below the ground";

@@ -23,7 +23,7 @@
 namespace obliq::test {
 namespace {
 
-using namespace net;
+using namespace rendering;
 
 const ParkedWork::IsOver kAtOnce = [](std::int64_t) { return true; };
 const ParkedWork::IsOver kNever = [](std::int64_t) { return false; };
@@ -234,7 +234,7 @@ void expect_the_same(const Rendered& a, const Rendered& b) {
 
 /// The turns that a frame takes whose threads park after so much work; 0: whenever they ask.
 int turns_of(const RadarSettings& settings, int threads, std::int64_t look, Rendered& frame) {
-  net::ParkedWork work([&] { frame = render_with(settings, threads); }, {}, look);
+  rendering::ParkedWork work([&] { frame = render_with(settings, threads); }, {}, look);
   int turns = 1;
   while (!work.turn([](std::int64_t) { return true; })) ++turns;
   return turns;

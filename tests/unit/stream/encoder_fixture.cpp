@@ -7,7 +7,7 @@
 
 namespace obliq::net {
 
-client::Status feed(client::FrameAssembler& frames, const Block& block) {
+client::Status feed(client::FrameAssembler& frames, const stream::Block& block) {
   wire::MessageView view;
   if (wire::decode_message(block.bytes, wire::kMaxPayloadBytes, view) != wire::MessageStatus::ok) {
     return client::Status::failure(client::Outcome::bad_stream, "does not decode");

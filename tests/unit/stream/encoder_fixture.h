@@ -6,7 +6,7 @@
 namespace obliq::net {
 
 /// Decodes a block as a client does and hands it on.
-client::Status feed(client::FrameAssembler& frames, const Block& block);
+client::Status feed(client::FrameAssembler& frames, const stream::Block& block);
 
 /// Bins whose values tell where they belong.
 BinBlock filled(int first, int n_azimuth, int n_range);

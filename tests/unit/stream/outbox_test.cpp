@@ -14,9 +14,10 @@ using wire::Plane;
 constexpr std::uint32_t kStream = 1;
 constexpr std::size_t kPlenty = 1u << 20;
 
-std::shared_ptr<Block> block(MessageType type, std::uint64_t frame, std::uint64_t sequence,
-                             wire::PlaneSet planes = wire::kAllPlanes, std::uint32_t stream = kStream) {
-  auto made = std::make_shared<Block>();
+std::shared_ptr<stream::Block> block(MessageType type, std::uint64_t frame, std::uint64_t sequence,
+                                     wire::PlaneSet planes = wire::kAllPlanes,
+                                     std::uint32_t stream = kStream) {
+  auto made = std::make_shared<stream::Block>();
   made->type = type;
   made->frame_id = frame;
   made->sequence = sequence;
@@ -27,24 +28,24 @@ std::shared_ptr<Block> block(MessageType type, std::uint64_t frame, std::uint64_
 }
 
 /// Begin, two wedges, end: sequence numbers 10 f + 1 to 10 f + 4.
-void push_frame(Outbox& outbox, std::uint64_t frame, std::uint32_t stream = kStream) {
+void push_frame(stream::Outbox& outbox, std::uint64_t frame, std::uint32_t stream = kStream) {
   outbox.push(block(MessageType::frame_begin, frame, frame * 10 + 1, wire::kAllPlanes, stream));
   outbox.push(block(MessageType::wedge_block, frame, frame * 10 + 2, wire::kAllPlanes, stream));
   outbox.push(block(MessageType::wedge_block, frame, frame * 10 + 3, wire::kAllPlanes, stream));
   outbox.push(block(MessageType::frame_end, frame, frame * 10 + 4, wire::kAllPlanes, stream));
 }
 
-std::vector<std::uint64_t> drain(Outbox& outbox) {
+std::vector<std::uint64_t> drain(stream::Outbox& outbox) {
   std::vector<std::uint64_t> sequences;
-  while (const BlockPtr next = outbox.pop()) sequences.push_back(next->sequence);
+  while (const stream::BlockPtr next = outbox.pop()) sequences.push_back(next->sequence);
   return sequences;
 }
 
 /// The next message, which is of that type.
 template <typename Message>
-Message pop_message(Outbox& outbox, MessageType type) {
+Message pop_message(stream::Outbox& outbox, MessageType type) {
   Message message;
-  const BlockPtr next = outbox.pop();
+  const stream::BlockPtr next = outbox.pop();
   wire::MessageView view;
   if (!next || wire::decode_message(next->bytes, 1u << 20, view) != wire::MessageStatus::ok ||
       view.header.type != type || !wire::parse_descriptor(view.descriptor, message)) {
@@ -52,14 +53,14 @@ Message pop_message(Outbox& outbox, MessageType type) {
   }
   return message;
 }
-wire::FrameAbort pop_abort(Outbox& outbox) {
+wire::FrameAbort pop_abort(stream::Outbox& outbox) {
   return pop_message<wire::FrameAbort>(outbox, MessageType::frame_abort);
 }
-wire::FrameBegin pop_begin(Outbox& outbox) {
+wire::FrameBegin pop_begin(stream::Outbox& outbox) {
   return pop_message<wire::FrameBegin>(outbox, MessageType::frame_begin);
 }
 
-BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) {
+stream::BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) {
   wire::FrameBegin begin;
   begin.set_frame_id(frame);
   begin.set_frames_skipped(skipped_by_the_radar);
@@ -72,7 +73,7 @@ BlockPtr encoded_begin(std::uint64_t frame, std::uint64_t skipped_by_the_radar) 
 class LiveOutbox : public testing::Test {
  protected:
   LiveOutbox() { outbox.open_live_queue(kStream, {}); }
-  Outbox outbox{2, kPlenty};
+  stream::Outbox outbox{2, kPlenty};
 };
 
 TEST_F(LiveOutbox, HandsOutAFrameInOrder) {
@@ -106,7 +107,7 @@ TEST_F(LiveOutbox, WaitsForTheRestOfABegunFrame) {
 }
 
 TEST(Outbox, ABegunFrameBeyondTheByteLimitIsAborted) {
-  Outbox outbox(2, 250);
+  stream::Outbox outbox(2, 250);
   outbox.open_live_queue(kStream, {});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   EXPECT_EQ(outbox.pop()->sequence, 11u);
@@ -121,7 +122,7 @@ TEST(Outbox, ABegunFrameBeyondTheByteLimitIsAborted) {
 }
 
 TEST(Outbox, PlanesThatWereNotAskedForAreLeftOut) {
-  Outbox outbox(2, kPlenty);
+  stream::Outbox outbox(2, kPlenty);
   outbox.open_live_queue(kStream, {.planes = wire::plane_bit(Plane::power)});
   outbox.push(block(MessageType::frame_begin, 1, 11));
   outbox.push(block(MessageType::wedge_block, 1, 12, wire::plane_bit(Plane::iq)));
@@ -157,17 +158,17 @@ TEST_F(LiveOutbox, AFrameAbortedBeforeItWasBegunIsNeverMentioned) {
 }
 
 TEST(Outbox, ControlMessagesOvertakeFramesAndStreamsTakeTurns) {
-  Outbox outbox(2, kPlenty);
+  stream::Outbox outbox(2, kPlenty);
   outbox.open_live_queue(1, {});
   outbox.open_live_queue(2, {});
   push_frame(outbox, 1, 1);
   push_frame(outbox, 2, 2);
-  outbox.push_control(std::make_shared<Block>());
+  outbox.push_control(std::make_shared<stream::Block>());
   EXPECT_EQ(drain(outbox), (std::vector<std::uint64_t>{0, 11, 21, 12, 22, 13, 23, 14, 24}));
 }
 
 TEST(Outbox, ARenderOnceQueueKeepsEverythingCountsItsBytesAndVanishes) {
-  Outbox outbox(1, 100);
+  stream::Outbox outbox(1, 100);
   const auto counter = std::make_shared<std::atomic<std::size_t>>(400);  // as its producer has counted
   outbox.open_once_queue(kStream, 77, {}, counter);
   push_frame(outbox, 0);
@@ -183,13 +184,13 @@ TEST(Outbox, BothFormsOfAMessageCountAsMemory) {
     return made;
   };
   const auto counter = std::make_shared<std::atomic<std::size_t>>(150);
-  Outbox once(1, kPlenty);
+  stream::Outbox once(1, kPlenty);
   once.open_once_queue(kStream, 77, {}, counter);
   once.push(with_json(MessageType::frame_begin, 11));
   EXPECT_EQ(once.queued_bytes(), 150u);
   EXPECT_EQ(once.pop()->sequence, 11u);
   EXPECT_EQ(counter->load(), 0u);
-  Outbox live(2, 299);  // two messages without JSON fit
+  stream::Outbox live(2, 299);  // two messages without JSON fit
   live.open_live_queue(kStream, {});
   live.push(with_json(MessageType::frame_begin, 11));
   live.push(with_json(MessageType::wedge_block, 12));
@@ -197,16 +198,16 @@ TEST(Outbox, BothFormsOfAMessageCountAsMemory) {
 }
 
 TEST(Outbox, ABrowsersOwnMessagesAreJson) {
-  Outbox outbox(2, kPlenty);
+  stream::Outbox outbox(2, kPlenty);
   outbox.open_live_queue(kStream, {.as_json = true});
   outbox.push(encoded_begin(1, 0));
   outbox.push(encoded_begin(2, 0));
   outbox.push(encoded_begin(3, 0));  // 1 gives way
-  const BlockPtr begin = outbox.pop();
+  const stream::BlockPtr begin = outbox.pop();
   EXPECT_TRUE(begin->bytes.empty());
   EXPECT_EQ(begin->json_head.substr(wire::kHeaderBytes), R"({"frame_id":"2","frames_skipped":"1"})");
   outbox.close_queue(kStream, "because");
-  const BlockPtr abort = outbox.pop();
+  const stream::BlockPtr abort = outbox.pop();
   EXPECT_TRUE(abort->bytes.empty());
   EXPECT_EQ(abort->json_head.substr(wire::kHeaderBytes), R"({"frame_id":"2","reason":"because"})");
 }
@@ -224,7 +225,7 @@ TEST_F(LiveOutbox, FramesThatWereAskedForOnceComeOneAfterTheOtherAndTakeTurnsWit
 TEST(Outbox, GivesItsBytesBackWhenItGoes) {
   const auto counter = std::make_shared<std::atomic<std::size_t>>(400);
   {
-    Outbox outbox(1, 100);
+    stream::Outbox outbox(1, 100);
     outbox.open_once_queue(kStream, 77, {}, counter);
     push_frame(outbox, 0);
   }
@@ -232,8 +233,8 @@ TEST(Outbox, GivesItsBytesBackWhenItGoes) {
 }
 
 TEST(Outbox, ALosslessQueueKeepsEveryFrameWhateverItsBytes) {
-  Outbox outbox(2, 100);
-  outbox.open_live_queue(kStream, {}, QueuePolicy::lossless);
+  stream::Outbox outbox(2, 100);
+  outbox.open_live_queue(kStream, {}, stream::QueuePolicy::lossless);
   for (std::uint64_t frame = 1; frame <= 5; ++frame) push_frame(outbox, frame);
   EXPECT_EQ(drain(outbox).size(), 20u);
   EXPECT_EQ(outbox.frames_dropped(), 0u);
@@ -255,7 +256,7 @@ TEST_F(LiveOutbox, SkippedFramesAreCountedInTheNextFrameBeginOnce) {
 }
 
 TEST(Outbox, AFrameGivenUpIsAbortedIfBegunAndSkippedIfNot) {
-  Outbox outbox(3, kPlenty);
+  stream::Outbox outbox(3, kPlenty);
   outbox.open_live_queue(kStream, {});
   outbox.push(encoded_begin(1, 0));
   EXPECT_EQ(pop_begin(outbox).frame_id(), 1u);
@@ -272,9 +273,9 @@ TEST(Outbox, AFrameGivenUpIsAbortedIfBegunAndSkippedIfNot) {
 
 TEST_F(LiveOutbox, AFrameIsAliveUntilItsLastBlockIsTaken) {
   int freed = 0;
-  const auto frames = std::make_shared<LiveFrames>([&] { ++freed; });
+  const auto frames = std::make_shared<stream::LiveFrames>([&] { ++freed; });
   {
-    const LiveFramePtr frame = frames->open(1, {});
+    const stream::LiveFramePtr frame = frames->open(1, {});
     outbox.push(block(MessageType::frame_begin, 1, 11), frame);
     outbox.push(block(MessageType::wedge_block, 1, 12), frame);
     outbox.push(block(MessageType::frame_end, 1, 13), frame);
@@ -288,13 +289,14 @@ TEST_F(LiveOutbox, AFrameIsAliveUntilItsLastBlockIsTaken) {
 }
 
 TEST(Outbox, TakesOnlyBlocksOfItsOwnEncodingAndWindow) {
-  Outbox outbox(2, kPlenty);
-  StreamChoice choice;
+  stream::Outbox outbox(2, kPlenty);
+  stream::StreamChoice choice;
   choice.format.iq = wire::IqEncoding::ci16_le;
   choice.format.window.range = {4, 8, 2};
   outbox.open_live_queue(kStream, choice);
-  const auto push = [&](MessageType type, Plane plane, const BlockFormat& format, std::uint64_t sequence) {
-    auto made = std::make_shared<Block>();
+  const auto push = [&](MessageType type, Plane plane, const stream::BlockFormat& format,
+                        std::uint64_t sequence) {
+    auto made = std::make_shared<stream::Block>();
     made->type = type;
     made->frame_id = 1;
     made->sequence = sequence;
@@ -303,11 +305,11 @@ TEST(Outbox, TakesOnlyBlocksOfItsOwnEncodingAndWindow) {
     made->format = format;
     outbox.push(made);
   };
-  BlockFormat floats = choice.format;
+  stream::BlockFormat floats = choice.format;
   floats.iq = wire::IqEncoding::cf32_le;
-  BlockFormat whole = choice.format;
+  stream::BlockFormat whole = choice.format;
   whole.window = {};
-  BlockFormat compressed = choice.format;
+  stream::BlockFormat compressed = choice.format;
   compressed.compression = wire::Compression::zstd;
   push(MessageType::frame_begin, Plane::iq, whole, 10);
   push(MessageType::frame_begin, Plane::iq, floats, 11);  // of a FrameBegin the window alone counts

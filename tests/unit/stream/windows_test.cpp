@@ -24,33 +24,34 @@ constexpr int kAzimuths = 20;
 constexpr int kRanges = 32;
 
 /// What a client with this choice makes of a frame that is encoded for all of these choices.
-client::AssembledFrame received(const StreamChoice& choice, const std::vector<StreamChoice>& all) {
+client::AssembledFrame received(const stream::StreamChoice& choice,
+                                const std::vector<stream::StreamChoice>& all) {
   std::uint64_t sequence = 0;
-  FrameEncoder encoder({.stream_id = 9, .frame_id = 4, .choices = all}, sequence);
-  std::vector<BlockPtr> blocks = encoder.begin(descriptor(kAzimuths, kRanges));
+  stream::FrameEncoder encoder({.stream_id = 9, .frame_id = 4, .choices = all}, sequence);
+  std::vector<stream::BlockPtr> blocks = encoder.begin(descriptor(kAzimuths, kRanges));
   for (const int wedge : {1, 2, 0}) {
-    for (BlockPtr& block : encoder.wedge(wedge, filled(8 * wedge, wedge == 2 ? 4 : 8, kRanges)))
+    for (stream::BlockPtr& block : encoder.wedge(wedge, filled(8 * wedge, wedge == 2 ? 4 : 8, kRanges)))
       blocks.push_back(std::move(block));
   }
   blocks.push_back(encoder.end({}, 0));
 
-  Outbox outbox(2, 1 << 30);
+  stream::Outbox outbox(2, 1 << 30);
   outbox.open_live_queue(9, choice);
-  for (const BlockPtr& block : blocks) outbox.push(block);
+  for (const stream::BlockPtr& block : blocks) outbox.push(block);
   FrameAssembler frames(choice.planes);
-  while (const BlockPtr block = outbox.pop()) {
+  while (const stream::BlockPtr block = outbox.pop()) {
     EXPECT_TRUE(is_ok(feed(frames, *block)));
   }
   EXPECT_EQ(frames.state(), FrameAssembler::State::complete);
   return frames.take();
 }
 
-StreamChoice choice_of(const wire::Window& window, wire::IqEncoding iq = wire::IqEncoding::cf32_le,
-                       wire::Compression compression = wire::Compression::none) {
+stream::StreamChoice choice_of(const wire::Window& window, wire::IqEncoding iq = wire::IqEncoding::cf32_le,
+                               wire::Compression compression = wire::Compression::none) {
   return {wire::kAllPlanes, {iq, compression, 8, window}};
 }
 
-const std::vector<StreamChoice> kChoices{
+const std::vector<stream::StreamChoice> kChoices{
     choice_of({}),
     choice_of({}, wire::IqEncoding::ci16_le),
     choice_of({}, wire::IqEncoding::cf32_le, wire::Compression::zstd),
@@ -63,7 +64,7 @@ const std::vector<StreamChoice> kChoices{
 };
 
 /// Every bin of the window is the frame's own, wherever it lies; I&Q to within what ci16_le promises.
-void expect_window(const client::AssembledFrame& frame, const StreamChoice& choice) {
+void expect_window(const client::AssembledFrame& frame, const stream::StreamChoice& choice) {
   const wire::Window window = *wire::cut_window(choice.format.window, kAzimuths, kRanges);
   const BinBlock whole = filled(0, kAzimuths, kRanges);
   // No component is above 31; a block's scale is at most that of its largest.
@@ -85,11 +86,11 @@ void expect_window(const client::AssembledFrame& frame, const StreamChoice& choi
 }
 
 TEST(Windows, BringTheBinsAskedForInEveryEncoding) {
-  for (const StreamChoice& choice : kChoices) expect_window(received(choice, {choice}), choice);
+  for (const stream::StreamChoice& choice : kChoices) expect_window(received(choice, {choice}), choice);
 }
 
 TEST(Windows, ABlocksBitsDoNotDependOnWhoElseWatches) {
-  for (const StreamChoice& choice : kChoices) {
+  for (const stream::StreamChoice& choice : kChoices) {
     const client::AssembledFrame alone = received(choice, {choice});
     const client::AssembledFrame among = received(choice, kChoices);
     EXPECT_EQ(alone.iq, among.iq);
@@ -111,23 +112,23 @@ TEST(Windows, TheDescriptorTellsTheWindowOnlyWhenItIsNotTheWholeFrame) {
 }
 
 TEST(FrameEncoder, EncodesOnceWhatSeveralAskForAndNothingThatNobodyAsksFor) {
-  const StreamChoice iq_only{wire::plane_bit(wire::Plane::iq), {}};
-  StreamChoice iq_as_integers = iq_only;
+  const stream::StreamChoice iq_only{wire::plane_bit(wire::Plane::iq), {}};
+  stream::StreamChoice iq_as_integers = iq_only;
   iq_as_integers.format.iq = wire::IqEncoding::ci16_le;
-  StreamChoice state_beside_integers = iq_as_integers;
+  stream::StreamChoice state_beside_integers = iq_as_integers;
   state_beside_integers.planes = wire::plane_bit(wire::Plane::state);
-  StreamChoice state{wire::plane_bit(wire::Plane::state), {}};
+  stream::StreamChoice state{wire::plane_bit(wire::Plane::state), {}};
   std::uint64_t sequence = 0;
-  FrameEncoder encoder({.choices = {iq_only, iq_only, iq_as_integers, state_beside_integers, state}},
-                       sequence);
+  stream::FrameEncoder encoder({.choices = {iq_only, iq_only, iq_as_integers, state_beside_integers, state}},
+                               sequence);
   EXPECT_EQ(encoder.begin(descriptor(kAzimuths, kRanges)).size(), 1u) << "one window, one FrameBegin";
   EXPECT_EQ(encoder.wedge(0, filled(0, 8, kRanges)).size(), 3u) << "iq twice, state once";
 }
 
 TEST(FrameEncoder, CountsTheBytesOfItsBlocksForAsLongAsTheyLive) {
-  const auto meter = std::make_shared<BlockMeter>();
+  const auto meter = std::make_shared<stream::BlockMeter>();
   std::uint64_t sequence = 0;
-  FrameEncoder encoder({.meter = meter}, sequence);
+  stream::FrameEncoder encoder({.meter = meter}, sequence);
   {
     const auto begin = encoder.begin(descriptor(kAzimuths, kRanges));
     const auto blocks = encoder.wedge(0, filled(0, 8, kRanges));
@@ -139,7 +140,7 @@ TEST(FrameEncoder, CountsTheBytesOfItsBlocksForAsLongAsTheyLive) {
 }
 
 TEST(SpareMemory, OfABlockThatHasGoneIsThatOfTheNextOfItsLength) {
-  SpareMemory spare;
+  stream::SpareMemory spare;
   wire::Bytes memory(100'000);
   const std::byte* const place = memory.data();
   spare.give(std::move(memory));
@@ -150,7 +151,7 @@ TEST(SpareMemory, OfABlockThatHasGoneIsThatOfTheNextOfItsLength) {
 }
 
 TEST(SpareMemory, IsLimitedAndGoesBackWhereNoMoreIsToCome) {
-  SpareMemory spare;
+  stream::SpareMemory spare;
   constexpr std::size_t kLength = 1 << 20;
   const auto kept = [&] {
     std::vector<wire::Bytes> taken;
@@ -159,7 +160,7 @@ TEST(SpareMemory, IsLimitedAndGoesBackWhereNoMoreIsToCome) {
     return taken.size() - 1;
   };
   for (int i = 0; i < 100; ++i) spare.give(wire::Bytes(kLength));
-  EXPECT_EQ(kept(), SpareMemory::kMostBytes / kLength);
+  EXPECT_EQ(kept(), stream::SpareMemory::kMostBytes / kLength);
   spare.give(wire::Bytes(kLength));
   spare.keep(false);
   EXPECT_EQ(kept(), 0u);
@@ -171,10 +172,10 @@ TEST(SpareMemory, IsLimitedAndGoesBackWhereNoMoreIsToCome) {
 }
 
 TEST(FrameAssembler, RefusesABlockOfAnotherStepOrBetweenTheSteps) {
-  const StreamChoice choice = choice_of({{2, 0, 3}, {0, 0, 1}});
+  const stream::StreamChoice choice = choice_of({{2, 0, 3}, {0, 0, 1}});
   for (const auto& [first, step] : {std::pair{2u, 2u}, {3u, 3u}, {0u, 3u}, {20u, 3u}}) {
     std::uint64_t sequence = 0;
-    FrameEncoder encoder({.choices = {choice}}, sequence);
+    stream::FrameEncoder encoder({.choices = {choice}}, sequence);
     FrameAssembler frames;
     ASSERT_TRUE(feed(frames, *encoder.begin(descriptor(kAzimuths, kRanges)).front()).ok());
     wire::WedgeBlock wrong;
@@ -183,7 +184,7 @@ TEST(FrameAssembler, RefusesABlockOfAnotherStepOrBetweenTheSteps) {
     wrong.set_azimuth_step(step);
     wrong.set_n_azimuth(1);
     wrong.set_n_range(kRanges);
-    Block block;
+    stream::Block block;
     block.bytes = wire::encode_message(MessageType::wedge_block, {}, wrong,
                                        std::vector<std::byte>(static_cast<std::size_t>(kRanges)));
     EXPECT_EQ(feed(frames, block).outcome, client::Outcome::bad_stream) << first << ", " << step;
@@ -191,9 +192,9 @@ TEST(FrameAssembler, RefusesABlockOfAnotherStepOrBetweenTheSteps) {
 }
 
 TEST(FrameAssembler, RefusesADamagedCompressedBlock) {
-  const StreamChoice choice = kChoices[2];
+  const stream::StreamChoice choice = kChoices[2];
   std::uint64_t sequence = 0;
-  FrameEncoder encoder({.choices = {choice}}, sequence);
+  stream::FrameEncoder encoder({.choices = {choice}}, sequence);
   FrameAssembler frames;
   ASSERT_TRUE(feed(frames, *encoder.begin(descriptor(kAzimuths, kRanges)).front()).ok());
   wire::WedgeBlock said;
@@ -202,7 +203,7 @@ TEST(FrameAssembler, RefusesADamagedCompressedBlock) {
   said.set_n_range(kRanges);
   said.set_compression(wire::ZSTD);
   said.set_plain_bytes(8 * kRanges);
-  Block block;
+  stream::Block block;
   block.bytes =
       wire::encode_message(MessageType::wedge_block, {}, said, std::vector<std::byte>(100, std::byte{7}));
   const client::Status status = feed(frames, block);
@@ -220,7 +221,7 @@ TEST(StreamChoice, ImpossibleWishesAreRefusedByFieldFoundAndAllowed) {
   request.mutable_window()->set_n_range(3);
   request.mutable_window()->set_azimuth_step(21);
   std::vector<FieldError> errors;
-  (void)read_choice(request, kAzimuths, kRanges, errors);
+  (void)stream::read_choice(request, kAzimuths, kRanges, errors);
   std::vector<std::string> texts;
   for (const FieldError& error : errors)
     texts.push_back(error.field + "|" + error.found + "|" + error.allowed);
@@ -239,7 +240,7 @@ TEST(StreamChoice, ImpossibleWishesAreRefusedByFieldFoundAndAllowed) {
 
 struct Stream {
   std::uint64_t sequence = 0;
-  FrameEncoder encoder{{.stream_id = 9, .frame_id = 4, .request_id = 3}, sequence};
+  stream::FrameEncoder encoder{{.stream_id = 9, .frame_id = 4, .request_id = 3}, sequence};
   FrameAssembler frames;
 
   FrameAssembler& begun(int n_azimuth, int n_range) {
@@ -252,7 +253,8 @@ TEST(FrameEncoder, WedgesInAnyOrderMakeTheWholeFrame) {
   Stream stream;
   FrameAssembler& frames = stream.begun(20, 32);
   for (const int wedge : {2, 0, 1}) {
-    for (const BlockPtr& block : stream.encoder.wedge(wedge, filled(wedge * 8, wedge == 2 ? 4 : 8, 32))) {
+    for (const stream::BlockPtr& block :
+         stream.encoder.wedge(wedge, filled(wedge * 8, wedge == 2 ? 4 : 8, 32))) {
       ASSERT_TRUE(is_ok(feed(frames, *block)));
     }
   }
@@ -268,7 +270,7 @@ TEST(FrameEncoder, ALargeWedgeTakesSeveralBlocksWithinTheLimit) {
     Stream stream;
     FrameAssembler& frames = stream.begun(3, n_range);
     std::uint64_t sequence = 1;
-    for (const BlockPtr& block : stream.encoder.wedge(0, filled(0, 3, n_range))) {
+    for (const stream::BlockPtr& block : stream.encoder.wedge(0, filled(0, 3, n_range))) {
       EXPECT_EQ(block->sequence, ++sequence);
       ASSERT_TRUE(is_ok(feed(frames, *block)));
     }
@@ -291,20 +293,21 @@ std::string head_of(const wire::Bytes& bytes) {
 }
 
 TEST(FrameEncoder, BrowsersShareOneJsonOfAMessageAndWhatNoneWatchesHasNone) {
-  const auto meter = std::make_shared<BlockMeter>();
-  const StreamChoice power{.planes = wire::plane_bit(wire::Plane::power)};
-  const StreamChoice state{.planes = wire::plane_bit(wire::Plane::state), .as_json = true};
-  const StreamChoice both{.planes = wire::kAllPlanes};
-  StreamChoice part = state;
+  const auto meter = std::make_shared<stream::BlockMeter>();
+  const stream::StreamChoice power{.planes = wire::plane_bit(wire::Plane::power)};
+  const stream::StreamChoice state{.planes = wire::plane_bit(wire::Plane::state), .as_json = true};
+  const stream::StreamChoice both{.planes = wire::kAllPlanes};
+  stream::StreamChoice part = state;
   part.format.window.range = {4, 8, 1};
   std::uint64_t sequence = 0;
-  FrameEncoder encoder({.stream_id = 9, .frame_id = 4, .choices = {power, state, both, part}, .meter = meter},
-                       sequence);
-  std::vector<BlockPtr> blocks = encoder.begin(descriptor(8, 32));
+  stream::FrameEncoder encoder(
+      {.stream_id = 9, .frame_id = 4, .choices = {power, state, both, part}, .meter = meter}, sequence);
+  std::vector<stream::BlockPtr> blocks = encoder.begin(descriptor(8, 32));
   ASSERT_EQ(blocks.size(), 2u) << "two windows";
-  for (const BlockPtr& begin : blocks) EXPECT_EQ(begin->json_head, head_of<wire::FrameBegin>(begin->bytes));
+  for (const stream::BlockPtr& begin : blocks)
+    EXPECT_EQ(begin->json_head, head_of<wire::FrameBegin>(begin->bytes));
   int as_json = 0;
-  for (const BlockPtr& block : encoder.wedge(0, filled(0, 8, 32))) {
+  for (const stream::BlockPtr& block : encoder.wedge(0, filled(0, 8, 32))) {
     const bool watched = block->planes == state.planes;
     EXPECT_EQ(block->json_head, watched ? head_of<wire::WedgeBlock>(block->bytes) : "");
     EXPECT_TRUE(std::ranges::equal(block->plane(), std::span(block->bytes).last(block->plane_bytes)));
@@ -315,7 +318,7 @@ TEST(FrameEncoder, BrowsersShareOneJsonOfAMessageAndWhatNoneWatchesHasNone) {
   blocks.push_back(encoder.end({}, 0));
   EXPECT_EQ(blocks.back()->json_head, head_of<wire::FrameEnd>(blocks.back()->bytes));
   std::size_t bytes = 0;
-  for (const BlockPtr& block : blocks) bytes += block->bytes.size() + block->json_head.size();
+  for (const stream::BlockPtr& block : blocks) bytes += block->bytes.size() + block->json_head.size();
   EXPECT_EQ(meter->bytes, bytes);
   blocks.clear();
   EXPECT_EQ(meter->bytes, 0u);
@@ -324,7 +327,8 @@ TEST(FrameEncoder, BrowsersShareOneJsonOfAMessageAndWhatNoneWatchesHasNone) {
 TEST(FrameEncoder, WithoutABrowserThereIsNoJson) {
   Stream stream;
   EXPECT_EQ(stream.encoder.begin(descriptor(8, 32)).front()->json_head, "");
-  for (const BlockPtr& block : stream.encoder.wedge(0, filled(0, 8, 32))) EXPECT_EQ(block->json_head, "");
+  for (const stream::BlockPtr& block : stream.encoder.wedge(0, filled(0, 8, 32)))
+    EXPECT_EQ(block->json_head, "");
   EXPECT_EQ(stream.encoder.end({}, 0)->json_head, "");
   EXPECT_EQ(stream.encoder.abort("because")->json_head, "");
 }
@@ -368,7 +372,7 @@ TEST(FrameAssembler, AnAbortedFrameGivesWayToTheNext) {
   EXPECT_EQ(frames.state(), FrameAssembler::State::aborted);
   EXPECT_EQ(frames.abort_reason(), "because");
   ASSERT_TRUE(feed(frames, *stream.encoder.begin(descriptor(8, 32)).front()).ok());
-  for (const BlockPtr& block : stream.encoder.wedge(0, filled(0, 8, 32)))
+  for (const stream::BlockPtr& block : stream.encoder.wedge(0, filled(0, 8, 32)))
     ASSERT_TRUE(feed(frames, *block).ok());
   EXPECT_TRUE(feed(frames, *stream.encoder.end({}, 0)).ok());
 }

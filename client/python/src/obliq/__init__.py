@@ -10,12 +10,12 @@ frame. obliq.batch, obliq.Dataset: data sets.
 """
 from . import aio, errors, ground
 from . import obliq_pb2 as wire
-from ._assembly import Wedge
-from ._batch import Job, batch, prepare, todo
-from ._progress import Done
+from ._protocol.assembly import Wedge
+from ._sets.batch import Job, batch, prepare, todo
+from ._sets.progress import Done
 from ._requests import Accepted, RadarInfo, ServerInfo, Tls
 from ._version import __version__
-from ._dataset import Dataset
+from ._sets.dataset import Dataset
 from .client import Control, Radar, Replay, Server, Stream, Targets, connect
 from .errors import (
     BadStream,

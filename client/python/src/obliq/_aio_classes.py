@@ -17,9 +17,9 @@ from . import obliq_pb2 as wire
 from ._aio_connection import Connection
 from ._aio_control import Control, Targets
 from ._aio_streams import Replay, Stream
-from ._assembly import Wedge
-from ._asked import Rendering
-from ._session import Command, Session
+from ._protocol.assembly import Wedge
+from ._protocol.asked import Rendering
+from ._protocol.session import Command, Session
 from .errors import CannotConnect, ConnectionLost, ObliqError, OverLimit, ServerFull, ServerStopping, TimedOut, printable
 from .frame import Frame
 from .parameters import Pose, PoseFields, Settings

@@ -9,8 +9,8 @@ from typing import TypeVar, cast
 
 from ._connection import untrusted
 from ._requests import ConnectOptions
-from ._session import Command, Request, Session, Wait
-from ._wire import Splitter
+from ._protocol.session import Command, Request, Session, Wait
+from ._protocol.wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
 
 T = TypeVar("T")

@@ -5,8 +5,8 @@ import contextlib
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from . import obliq_pb2 as wire
-from ._assembly import Wedge
-from ._asked import Subscription
+from ._protocol.assembly import Wedge
+from ._protocol.asked import Subscription
 from .errors import ConnectionLost, ObliqError, ServerStopping
 from .frame import Frame
 from .replay import ReplayState, seek_request

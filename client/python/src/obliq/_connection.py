@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from typing import TypeVar
 
 from ._requests import ConnectOptions, Tls
-from ._session import Command, Request, Session, Wait
-from ._wire import Splitter
+from ._protocol.session import Command, Request, Session, Wait
+from ._protocol.wire import Splitter
 from .errors import BadStream, CannotConnect, ConnectionLost, ObliqError, TimedOut, Untrusted
 
 T = TypeVar("T")

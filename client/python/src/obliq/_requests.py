@@ -11,7 +11,7 @@ from typing import Any, TypeVar, Union
 from . import _seeds
 from . import obliq_pb2 as wire
 from ._fields import hint, number
-from ._asked import Subscription
+from ._protocol.asked import Subscription
 from .errors import Fault, UnknownRadar
 from .parameters import Pose, PoseFields, Settings, SettingsFields
 from .planes import Planes, Window, write_choice

@@ -13,8 +13,8 @@ import types
 from collections.abc import Sequence
 from typing import Any
 
-from ._batch import batch, check
-from ._progress import Done
+from ._sets.batch import batch, check
+from ._sets.progress import Done
 from .errors import ObliqError
 from .parameters import Settings
 
@@ -83,7 +83,7 @@ def main(words: Sequence[str] | None = None) -> int:
         "min_coverage": given.min_coverage}
     try:
         if given.self_test:
-            from ._self_test import self_test
+            from ._sets.self_test import self_test
 
             return 0 if self_test(given.obliqd) else 1
         if given.check:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from . import obliq_pb2 as wire
 from ._fields import hint
-from ._wire import MOST_PLANE
+from ._protocol.wire import MOST_PLANE
 from .errors import BadStream
 
 # Number on the wire and type of a value, little-endian on any machine. A VIDEO value has as many bytes as its

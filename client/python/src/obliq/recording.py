@@ -10,9 +10,9 @@ from typing import BinaryIO
 
 from . import obliq_pb2 as wire
 from . import planes as _planes
-from ._assembly import Assembler
-from ._crc import crc32c
-from ._wire import HEADER, MAGIC, Message, decode_header
+from ._protocol.assembly import Assembler
+from ._protocol.crc import crc32c
+from ._protocol.wire import HEADER, MAGIC, Message, decode_header
 from .errors import BadStream, FrameAborted, printable
 from .frame import Frame
 

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from torch.utils.data import Dataset as TorchDataset
 
-from ._dataset import Dataset
+from ._sets.dataset import Dataset
 
 __all__ = ["RadarDataset"]
 

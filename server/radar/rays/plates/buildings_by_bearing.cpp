@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "server/scene/tolerances.h"
 
 namespace obliq {

@@ -2,7 +2,7 @@
 #include "server/radar/profile/local_sight.h"
 #include "server/radar/rays/plates/buildings_by_bearing.h"
 #include "server/radar/rays/plates/plate.h"
-#include "server/radar/simd/ground_plates.h"
+#include "server/radar/simd/ground/ground_plates.h"
 
 namespace obliq {
 
@@ -13,8 +13,8 @@ class WedgeVisibility;  // server/radar/visibility/wedge_visibility.h
 /// pixel's edges, as they lie in the ray's plane. So short a walk misses what stands far in front: no light
 /// goes to range bins that the profiles of the azimuth bin call hidden.
 ///
-/// Eight plates over bare ground are walked side by side (simd/ground_plates.h). Those that have a building
-/// in them or are left there are walked one by one.
+/// Eight plates over bare ground are walked side by side (simd/ground/ground_plates.h). Those that have a
+/// building in them or are left there are walked one by one.
 class PixelPlates {
  public:
   PixelPlates(const ScenePlan& plan, AzimuthRange range, WedgeVisibility& profile);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/radar/simd/range_run.h"
+#include "server/radar/simd/ground/range_run.h"
 
 namespace obliq {
 namespace {

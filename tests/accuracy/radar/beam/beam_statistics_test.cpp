@@ -318,7 +318,7 @@ TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
   options.threads = 2;
   options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, paused); };
   const auto render = [&] { EXPECT_TRUE(render_wedges(*plan, {0, s.azimuth_bins}, options)); };
-  net::ParkedWork work(render, {}, 10'000);
+  rendering::ParkedWork work(render, {}, 10'000);
   int turns = 1;
   while (!work.turn([](std::int64_t) { return true; })) ++turns;
   EXPECT_GT(turns, 10);

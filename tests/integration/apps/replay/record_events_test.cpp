@@ -5,7 +5,7 @@
 #include <csignal>
 #include <fstream>
 
-#include "client/recorded_events.h"
+#include "client/recording/recorded_events.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/clients.h"
 #include "tests/integration/record_fixture.h"

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <thread>
 
-#include "client/recording_reader.h"
+#include "client/recording/recording_reader.h"
 #include "proto/obliq.pb.h"
 #include "tests/integration/daemon.h"
 #include "tests/support/made_recording.h"

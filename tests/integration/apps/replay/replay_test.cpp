@@ -242,7 +242,7 @@ TEST_F(RecordTest, ARecordingOfSomePlanesIsReplayedToTheirFilesWithAWordAboutThe
 
 /// A frame of which a scanning antenna missed everything: no block, and a FrameEnd that says so.
 void add_missed_frame(MadeRecording& recording, std::uint64_t frame_id, std::uint64_t& sequence) {
-  net::FrameEncoder encoder({.stream_id = 1, .frame_id = frame_id}, sequence);
+  stream::FrameEncoder encoder({.stream_id = 1, .frame_id = frame_id}, sequence);
   wire::FrameDescriptor descriptor;
   descriptor.set_radar("main");
   descriptor.set_frame_id(frame_id);

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "server/radar/echo/sea_warnings.h"
-#include "server/radar/simd/exact_math.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/units.h"
 #include "tests/support/scenes.h"
 

@@ -12,8 +12,8 @@
 
 #include "server/radar/receiver/noise.h"
 #include "server/radar/render.h"
-#include "server/radar/simd/exact_math.h"
 #include "server/radar/simd/kernels.h"
+#include "server/radar/simd/lanes/exact_math.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 #include "tests/support/silent_radar.h"

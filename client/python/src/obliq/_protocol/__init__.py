@@ -1,0 +1,1 @@
+"""The protocol without sockets: bytes to messages and back, what was asked, frames put together."""

@@ -1,0 +1,70 @@
+#pragma once
+// Mean reflectivity of the sea by the sine of grazing, for lanes side by side (echo/sea_echo.h fills the
+// table).
+#include <cstdint>
+
+#include "server/radar/simd/lanes/float_lanes.h"
+
+namespace obliq {
+
+/// What a piece of water returns over what its material says, by its grazing angle and its bearing against
+/// the wind. Steps are even in the bits of a float: 128 an octave, between which lines run.
+struct SeaTable {
+  static constexpr int kLog2StepsAnOctave = 7;
+  static constexpr int kOctaves = 10;
+  static constexpr int kSteps = kOctaves << kLog2StepsAnOctave;
+  static constexpr float kLeastSine = 0x1p-10F;  ///< 0.06 degrees, below all that the model knows
+  static constexpr std::int32_t kLeastBits = (127 - kOctaves) << 23;
+  static constexpr int kRestBits = 23 - kLog2StepsAnOctave;
+
+  float
+      gamma[kSteps + 2];  ///< sigma0 / sin(grazing), linear; of wind from nowhere, or its mean over bearings
+  /// Its factor is exp(upwind (1 - 2.8 grazing) cos(bearing against the wind)), grazing as far as the model
+  /// goes (sea_clutter.h); 0 without wind.
+  float upwind;
+  float least_upwind_sine, most_upwind_sine;
+  float over_gamma[256];    ///< by material: 1 / its own gamma; 0: no sea
+  double curve_x, curve_z;  ///< second derivatives of the datum's height, 1/m: 0 or less
+  double antenna_x_m, antenna_z_m;
+  double wind_sin, wind_cos;  ///< world bearing that the wind comes from
+
+  /// The sine of grazing on level water is (fall + d (lean + curve d)) / r: d its ground distance along a
+  /// bearing, fall the antenna's height above it.
+  double curve(double sine, double cosine) const { return curve_x * sine * sine + curve_z * cosine * cosine; }
+  double lean(double sine, double cosine) const {
+    return curve_x * antenna_x_m * sine + curve_z * antenna_z_m * cosine;
+  }
+};
+
+#if defined(OBLIQ_ISA)
+
+/// exp(x), |x| <= 0.9, to 2e-6: the Taylor series.
+OBLIQ_LANES Lanes<T, n> exp_of_small(Lanes<T, n> x) {
+  constexpr float kOverFactorials[] = {1.0F / 5040, 1.0F / 720, 1.0F / 120, 1.0F / 24,
+                                       1.0F / 6,    0.5F,       1.0F,       1.0F};
+  Lanes<T, n> sum = Lanes<T, n>{} + 1.0F / 40320;
+  for (const float term : kOverFactorials) sum = sum * x + term;
+  return sum;
+}
+
+/// The table's gamma. Lanes without surface may hold anything.
+OBLIQ_LANES Lanes<T, n> sea_gamma(const SeaTable& table, Lanes<T, n> sine, Lanes<T, n> against_wind) {
+  const Lanes<T, n> least = Lanes<T, n>{} + SeaTable::kLeastSine;
+  const Lanes<T, n> at = min(select(sine > least, sine, least), Lanes<T, n>{} + 1.0F);
+  const auto bits = OBLIQ_ISA::bits_as<std::int32_t>(at);
+  const auto k = (bits - SeaTable::kLeastBits) >> SeaTable::kRestBits;
+  const auto rest =
+      converted<float>(bits & ((1 << SeaTable::kRestBits) - 1)) * (1.0F / (1 << SeaTable::kRestBits));
+  const auto low = gather(table.gamma, k);
+  const Lanes<T, n> gamma = low + rest * (gather(table.gamma + 1, k) - low);
+  if (!(table.upwind > 0)) return gamma;
+  // The angle of a sine below that of 10 degrees, to 1e-5.
+  const Lanes<T, n> s =
+      clamp(at, Lanes<T, n>{} + table.least_upwind_sine, Lanes<T, n>{} + table.most_upwind_sine);
+  const Lanes<T, n> grazing = s + s * s * s * (1.0F / 6);
+  return gamma * exp_of_small(table.upwind * (1.0F - 2.8F * grazing) * against_wind);
+}
+
+#endif
+
+}  // namespace obliq

@@ -1,0 +1,118 @@
+// SpeckleField::response for eight ground cells at a time. Distances are doubles, and modulo one turn at
+// once; what is left needs the seven digits of I&Q.
+#include "server/radar/simd/ground/ground_speckle.h"
+
+#include "server/radar/simd/ground/grid_walk.h"
+#include "server/radar/simd/lanes/exact_math.h"
+#include "terrain/base/hash.h"
+
+namespace obliq::OBLIQ_ISA {
+namespace {
+
+/// HeightGrid::height_at_m; NaN off the grid or over unknown ground.
+OBLIQ_INLINE f64x8 height_at(const GridView& grid, f64x8 x, f64x8 z, double per_cell) {
+  const f64x8 u = (x - grid.x0_m) * per_cell;
+  const f64x8 v = (z - grid.z0_m) * per_cell;
+  const double last_u = grid.nx - 1;
+  const double last_v = grid.nz - 1;
+  const mask8 on_grid = (u >= 0.0) & (v >= 0.0) & (u <= last_u) & (v <= last_v);
+  const f64x8 low_u = floor(select(on_grid, u, f64x8{}));
+  const f64x8 low_v = floor(select(on_grid, v, f64x8{}));
+  const f64x8 i = select(low_u > last_u - 1, broadcast(last_u - 1), low_u);
+  const f64x8 j = select(low_v > last_v - 1, broadcast(last_v - 1), low_v);
+  const auto [y00, y10, y01, y11, known] = corners(grid, j * static_cast<double>(grid.nx) + i);
+  const f64x8 s = u - i;
+  const f64x8 t = v - j;
+  return select(on_grid & known, height_on_triangles(y00, y10, y01, y11, s, t), broadcast(__builtin_nan("")));
+}
+
+/// The middle of a ground cell.
+struct Centre {
+  f64x8 x, z;
+};
+
+OBLIQ_INLINE Centre centre_of(u64x8 place, u64x8 kind) {
+  // Cell numbers are 32-bit integers of either sign: counted from the least one they are whole numbers.
+  const f64x8 x_cell = to_doubles((place >> 32) ^ 0x80000000ull) - 0x1p31;
+  const f64x8 z_cell = to_doubles((place & 0xffffffffull) ^ 0x80000000ull) - 0x1p31;
+  const u64x8 level = ((kind >> 8) & 0xffff) ^ 0x8000;
+  const f64x8 side = as_doubles((level - std::uint64_t{0x8000 - 1023}) << 52);
+  return {(x_cell + 0.5) * side, (z_cell + 0.5) * side};
+}
+
+using i32x8 = Lanes<std::int32_t, kLanes>;
+
+/// sincos_turns of |turns| <= 1/2 in floats. Error below 3e-7.
+OBLIQ_INLINE SinCosOf<f32x8> sincos_of_fraction(f32x8 turns) {
+  constexpr float kShift = 12582912.0F;  // 1.5 x 2^23 leaves no bits behind the point
+  const f32x8 shifted = 4.0F * turns + kShift;
+  const f32x8 x = 6.28318531F * (turns - 0.25F * (shifted - kShift));
+  const f32x8 z = x * x;
+  const f32x8 s = x + x * z * (-1.0F / 6 + z * (1.0F / 120 + z * (-1.0F / 5040 + z * (1.0F / 362880))));
+  const f32x8 c =
+      1.0F + z * (-0.5F + z * (1.0F / 24 + z * (-1.0F / 720 + z * (1.0F / 40320 + z * (-1.0F / 3628800)))));
+  const i32x8 quarter = OBLIQ_ISA::bits_as<std::int32_t>(shifted);
+  const auto odd = (quarter & 1) != 0;
+  const auto signed_by = [](f32x8 of, i32x8 bit) __attribute__((always_inline)) {
+    return OBLIQ_ISA::bits_as<float>(OBLIQ_ISA::bits_as<std::int32_t>(of) ^ ((bit & 2) << 30));
+  };
+  return {signed_by(select(odd, c, s), quarter), signed_by(select(odd, s, c), quarter + 1)};
+}
+
+/// log_of_positive in floats. Absolute error below 2e-7 of the greater of 1 and the result.
+OBLIQ_INLINE f32x8 log_of_positive(f32x8 x) {
+  const i32x8 bits = OBLIQ_ISA::bits_as<std::int32_t>(x);
+  const f32x8 m = OBLIQ_ISA::bits_as<float>((bits & 0x007fffff) | 0x3f800000);
+  const auto high = m > 1.41421356F;
+  const f32x8 mantissa = select(high, 0.5F * m, m);
+  const f32x8 exponent =
+      select(high, converted<float>((bits >> 23) - 126), converted<float>((bits >> 23) - 127));
+  const f32x8 s = (mantissa - 1.0F) / (mantissa + 1.0F);
+  const f32x8 z = s * s;
+  return 2.0F * s * (1.0F + z * (1.0F / 3 + z * (1.0F / 5 + z * (1.0F / 7 + z * (1.0F / 9))))) +
+         exponent * 0.693147181F;
+}
+
+}  // namespace
+
+bool ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
+  mask8 unknown{};
+  const bool owned = ground.owners.ground;
+  const double per_cell = 1 / ground.view.grid.cell_m;
+  const double round_trips_a_m = 2 / ground.wavelength_m;
+  for (int k = 0; k < block.n; k += kLanes) {
+    const u64x8 place = load_u64(block.place + k);
+    u64x8 kind = load_u64(block.kind + k) & 0xffffffffull;
+    const u64x8 place_hash = mix_words(place ^ ground.seed);
+    auto [x, z] = centre_of(place, kind);
+    if (owned) {
+      const f64x8 side = as_doubles(((((kind >> 8) & 0xffff) ^ 0x8000) - std::uint64_t{0x8000 - 1023}) << 52);
+      x += (jitter<f64x8>(place_hash, 0) - 0.5) * side;
+      z += (jitter<f64x8>(place_hash, 16) - 0.5) * side;
+    }
+    const f64x8 dx = x - ground.view.antenna_x_m;
+    const f64x8 dy = height_at(ground.view.grid, x, z, per_cell) - ground.view.antenna_y_m;
+    const f64x8 dz = z - ground.view.antenna_z_m;
+    const f64x8 range = sqrt(dx * dx + dy * dy + dz * dz);
+    unknown |= range != range;
+
+    if (owned) {
+      const u64x8 bin = lane_by_lane<std::uint64_t, kLanes>([&](int lane) __attribute__((always_inline)) {
+        return k + lane < block.n ? block.at[k + lane] : 0;
+      });
+      kind |= owner_offset(ground.owners, dx, dz, range, to_doubles(bin >> 3),
+                           gather(block.edges->sin, bin & 7), gather(block.edges->cos, bin & 7))
+                  .code();
+    }
+    const u64x8 hash = mix_words(place_hash ^ kind);
+    const f64x8 turns = turns_of_hash(hash) - range * round_trips_a_m;
+    const auto at = sincos_of_fraction(converted<float>(turns - nearest_integer(turns)));
+    const f32x8 modulus2 = -log_of_positive(converted<float>(uniform_of_hash(hash)));
+    const f32x8 amplitude = converted<float>(sqrt(load(block.power_w + k))) * sqrt(max(modulus2, f32x8{}));
+    store(block.re + k, converted<double>(amplitude * at.cos));
+    store(block.im + k, converted<double>(amplitude * at.sin));
+  }
+  return !any(unknown);
+}
+
+}  // namespace obliq::OBLIQ_ISA
