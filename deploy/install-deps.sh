@@ -76,8 +76,8 @@ install_selenium() {
     echo "install-deps: no selenium (does the Python package registry answer?): the page's tests will be skipped" >&2
 }
 
-# TypeScript, which checks the types of the page's modules, into build/typescript. Debian's npm would bring some hundred packages: whoever
-# has node and npm gets it, for others those tests are skipped.
+# TypeScript, which checks the types of the page's modules, into build/typescript. Debian's npm would bring some hundred packages. So
+# a machine with node and npm gets it; elsewhere those tests are skipped.
 install_typescript() {
   case " $groups " in *" test "*) ;; *) return 0 ;; esac
   local version=5.9.3 folder
