@@ -37,9 +37,9 @@ const std::array kParameters{
     row<&RadarSettings::receiver, &ReceiverSettings::stc_power>(
         "receiver.stc_power", "", closed(0, 12), "stc_power", {287, u16, 1e2},
         "Its law: gain as (range / stc_range_m) to this power; 4 keeps a target's level."),
-    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>(
-        "receiver.stc_db", "dB", closed(0, 200), "stc_db", {288, i32, 1e3},
-        "It lowers the gain by at most this."),
+    row<&RadarSettings::receiver, &ReceiverSettings::stc_db>("receiver.stc_db", "dB", closed(0, 200),
+                                                             "stc_db", {288, i32, 1e3},
+                                                             "It lowers the gain by at most this."),
     row<&RadarSettings::receiver, &ReceiverSettings::adc_bits>(
         "receiver.adc_bits", "", closed(0, 16), "adc_bits", {},
         "Bits of the converter, of I and of Q, 2 or more; 0: none.", {.not_ideal = true}),
@@ -81,7 +81,7 @@ const std::array kParameters{
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_m_s>(
         "atmosphere.wind_m_s", "m/s", closed(0, 60), "wind_m_s", {347, i32, 1e3},
         "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "
-        "through. It gives the sea its direction, and with sea.state_auto its state.",
+        "through. It gives the sea its direction, its mean Doppler, and with sea.state_auto its state.",
         {.knob = "wind", .modes = "mti pulses"}),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_from_deg>(
         "atmosphere.wind_from_deg", "deg", closed(0, 360), "wind_from_deg", {353, i32, 1e3},
@@ -89,7 +89,7 @@ const std::array kParameters{
     row<&RadarSettings::sea, &SeaSettings::state>(
         "sea.state", "", closed(0, 6), "sea_state", {349, u16, 1e2},
         "Sea state of all water (materials of model \"sea\"), by the NRL model of mean sea clutter; 0: water "
-        "returns what its material says. "
+        "returns what its material says. With a state it moves, in modes mti and pulses. "
         "\"auto\" in a scene file is sea.state_auto.",
         {.knob = "sea state"}),
     row<&RadarSettings::sea, &SeaSettings::state_auto>(

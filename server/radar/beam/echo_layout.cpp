@@ -14,6 +14,7 @@
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/doppler_response.h"
+#include "server/radar/sea_state.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
@@ -303,7 +304,8 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
 
   if (has_doppler_filter(s)) {
     // DopplerRows: Doppler, I&Q and powers of the rows in hand. DopplerPlan, polynomials of a canceller.
-    constexpr std::int64_t kRowFloats = 8;
+    // Of the sea (SeaPart) as many again.
+    const std::int64_t kRowFloats = sea_state(s) > 0 ? 18 : 8;
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
                        (kRowFloats * kFloat * layout.stride() + 200);

@@ -29,6 +29,7 @@ namespace obliq {
   K(ground_echoes)        \
   K(ground_places)        \
   K(sea_texture)          \
+  K(texture_echoes)       \
   K(profile_nodes)        \
   K(see_part)             \
   K(face_voltages)        \
