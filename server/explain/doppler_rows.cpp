@@ -57,6 +57,19 @@ ByLag blown(const RadarSettings& s) {
   return rho;
 }
 
+/// Where it closes by its mean.
+ByLag rough(const RadarSettings& s) {
+  const SeaMotion sea(s);
+  const double wavelength_m = wavelength_at(s.frequency_ghz);
+  ByLag rho{1};
+  for (std::size_t k = 1; k < rho.size(); ++k) {
+    const double lag_s = static_cast<double>(k) / s.pulse.prf_hz;
+    rho[k] = sea.correlation(lag_s, wavelength_m) *
+             std::cos(4 * std::numbers::pi * sea.downwind_m_s * lag_s / wavelength_m);
+  }
+  return rho;
+}
+
 std::string db_text(double db) {
   return std::isfinite(db) ? number_text(db, ".1f") + " dB" : std::string("unlimited");
 }
@@ -77,7 +90,8 @@ ReportRow canceller_row(const FramePlan& plan) {
   const double pulses = turns ? beam_rad / doppler.turn_rad() : 0;
   const Limit limits[] = {{"its turning", turns ? improvement_db(c, turning(pulses)) : INFINITY},
                           {"its flight", improvement_db(c, flying(cells))},
-                          {"the wind", doppler.windy().empty() ? INFINITY : improvement_db(c, blown(s))}};
+                          {"the wind", doppler.windy().empty() ? INFINITY : improvement_db(c, blown(s))},
+                          {"the sea", doppler.has_sea() ? improvement_db(c, rough(s)) : INFINITY}};
   const Limit& least = *std::ranges::min_element(limits, {}, &Limit::db);
   const double middle_hz = doppler.ground().level_hz({0, 1});
   const double own_m_s = middle_hz * wavelength_at(s.frequency_ghz) / 2;
@@ -89,14 +103,18 @@ ReportRow canceller_row(const FramePlan& plan) {
                  "range_km"_is = kLight_m_s / (2 * s.pulse.prf_hz) / 1000, "r_max_km"_is = s.r_max_m / 1000,
                  "turning"_is = db_text(limits[0].db), "pulses"_is = pulses,
                  "flying"_is = db_text(limits[1].db), "speed_m_s"_is = across_m_s,
-                 "wind"_is = db_text(limits[2].db), "least"_is = db_text(least.db), "by"_is = least.by,
-                 "own_m_s"_is = own_m_s),
+                 "wind"_is = db_text(limits[2].db), "sea"_is = db_text(limits[3].db),
+                 "sea_m_s"_is = SeaMotion(s).downwind_m_s,
+                 "sea_deviation_m_s"_is = SeaMotion(s).deviation_m_s, "least"_is = db_text(least.db),
+                 "by"_is = least.by, "own_m_s"_is = own_m_s),
           {{"mti", true,
             "a canceller of {delays} at {prf_hz:6} Hz: speeds of {blind_m_s:.2f} m/s and its multiples "
             "are blind, ranges unambiguous to {range_km:.1f} km (r_max is {r_max_km:.1f}). "},
            {"mti", turns, "Turning, {pulses:.1f} pulses a beamwidth: it improves by {turning}. "},
            {"mti", cells > 0, "Flying, {speed_m_s:.1f} m/s across the beam: {flying}. "},
            {"mti", !doppler.windy().empty(), "Woods and grass in the wind: {wind}. "},
+           {"mti", doppler.has_sea(),
+            "The sea, upwind {sea_m_s:.2f} m/s with a deviation of {sea_deviation_m_s:.2f}: {sea}. "},
            {"mti", std::isfinite(least.db), "Of these {by} limits it: {least}. "},
            {"mti", !std::isfinite(least.db), "Ground that stands still leaves nothing. "},
            {"mti", !doppler.has_lock() && std::abs(own_m_s) > 1,

@@ -177,6 +177,7 @@ class Experiment {
     result_.radar = radar_rows(input_.settings, air_view(loaded.own->looks_at()), power_of);
     const auto planned = plan(loaded, input_.settings);
     append(result_.radar, sea_rows(*planned, air_view(loaded.own->looks_at())));
+    append(result_.radar, raster_rows(*planned));
     append(result_.radar, doppler_rows(*planned));
     append(result_.radar, corner_rows(*planned));
     if (input_.targets)

@@ -116,6 +116,8 @@ std::vector<ReportRow> radar_rows(const RadarSettings& settings, const AirView& 
 std::vector<ReportRow> doppler_rows(const FramePlan& plan);
 /// What water returns; none of a scene without any.
 std::vector<ReportRow> sea_rows(const FramePlan& plan, const AirView& air);
+/// What rasters of gamma say of the ground; none where the scene has none.
+std::vector<ReportRow> raster_rows(const FramePlan& plan);
 /// What a house's wall returns with the ground before it; none where the scene has no corners.
 std::vector<ReportRow> corner_rows(const FramePlan& plan);
 /// From where on the ingredient matters: a closed form with this scene's own numbers.

@@ -15,6 +15,8 @@ namespace obliq::security {
 class Security;
 }
 
+namespace obliq::security {}
+
 namespace obliq::net {
 class SocketTransport;
 }  // namespace obliq::net

@@ -18,6 +18,8 @@ namespace obliq::rendering {
 class RenderThread;
 }
 
+namespace obliq::rendering {}
+
 namespace obliq::wire {
 class ExerciseState;
 class RenderOnce;

@@ -7,6 +7,7 @@
 #include "server/radar/beam/doppler_fault.h"
 #include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
+#include "server/radar/sea_state.h"
 #include "terrain/base/units.h"
 
 namespace obliq {
@@ -18,24 +19,47 @@ AntennaAxes axes_of(const RadarSettings& settings, const PoseSettings& pose) {
           std::remainder(pose.bearing_deg - pose.heading_deg, 360.0) * kDegree_rad};
 }
 
-SectorVelocity velocity_of(const Scene& scene, const RadarSettings& settings, const Pose& pose,
-                           const AntennaAxes& axes) {
-  const glm::dvec3 v = antenna_velocity_m_s(scene.world(), pose);
+/// A velocity in the world's axes in those of the antenna's sector.
+SectorVelocity in_sector(const glm::dvec3& v, const RadarSettings& settings, const Pose& pose,
+                         const AntennaAxes& axes) {
   const Sector sector(settings, pose);
   const glm::dvec3 own = axes.own({v.x * sector.sin_bearing + v.z * sector.cos_bearing,
                                    v.x * sector.cos_bearing - v.z * sector.sin_bearing, v.y});
   return {own.x, own.y, own.z};
 }
 
+/// Of the sea's scatterers, in the world's axes: downwind.
+glm::dvec3 sea_velocity_m_s(const RadarSettings& settings, const Pose& pose) {
+  const double from_rad = settings.atmosphere.wind_from_deg * kDegree_rad + pose.north_rad;
+  const double downwind_m_s = SeaMotion(settings).downwind_m_s;
+  return {-downwind_m_s * std::sin(from_rad), 0, -downwind_m_s * std::cos(from_rad)};
+}
+
+/// What moves by itself, where a mode shows it.
+void place_moving(const Scene& scene, const RadarSettings& settings, const glm::dvec3& antenna_m_s,
+                  const Pose& pose, EchoPlace& place) {
+  if (settings.mode != RadarMode::mti && settings.mode != RadarMode::pulses) return;
+  const bool has_wind = settings.atmosphere.wind_m_s > 0, has_sea = sea_state(settings) > 0;
+  for (std::size_t id = 0; id < scene.materials().size(); ++id) {
+    const Material& material = scene.materials()[id];
+    if (!material.used) continue;
+    if (has_wind && material.wind) place.windy.push_back(static_cast<int>(id));
+    if (has_sea && material.model == ScatteringModel::sea && material.gamma > 0)
+      place.sea.materials.push_back(static_cast<int>(id));
+  }
+  if (!place.sea.materials.empty())
+    place.sea.velocity =
+        in_sector(antenna_m_s - sea_velocity_m_s(settings, pose), settings, pose, place.axes);
+}
+
 EchoPlace place_of(const Scene& scene, const RadarSettings& settings, const Pose& pose) {
   EchoPlace place;
   place.axes = axes_of(settings, pose.settings);
-  if (uses_doppler(settings)) place.velocity = velocity_of(scene, settings, pose, place.axes);
-  if ((settings.mode == RadarMode::mti || settings.mode == RadarMode::pulses) &&
-      settings.atmosphere.wind_m_s > 0)
-    for (std::size_t id = 0; id < scene.materials().size(); ++id)
-      if (scene.materials()[id].wind && scene.materials()[id].used)
-        place.windy.push_back(static_cast<int>(id));
+  if (uses_doppler(settings)) {
+    const glm::dvec3 antenna_m_s = antenna_velocity_m_s(scene.world(), pose);
+    place.velocity = in_sector(antenna_m_s, settings, pose, place.axes);
+    place_moving(scene, settings, antenna_m_s, pose, place);
+  }
   SectorExtent extent;
   if (std::isnan(pose.ground_y_m)) extent = measure_sector(scene, Sector(settings, pose));
   const double above_m = pose.antenna.m.y - ground_y_m(pose, extent);

@@ -21,7 +21,7 @@ BELOW_LANES = BASE + ["terrain/height_grid", R + "samples"] + ["server/scene/" +
 TO_LANES = BELOW_LANES + [R + "simd/lanes"]
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
-TO_PLAN = TO_GEOMETRY + [R + "beam", R + "doppler", R + "taper", R + "narrow_bins", R + "scene_plan", R + "frame_plan"]
+TO_PLAN = TO_GEOMETRY + [R + "beam", R + "doppler", R + "sea_state", R + "taper", R + "narrow_bins", R + "scene_plan", R + "frame_plan"]
 TO_PLATES = TO_PLAN + [R + "visibility", R + "echo", R + "rays/ray_batch"]
 SERVER_CORE = ["terrain", "server/scene", "server/radar"]
 TO_OUTPUT = SERVER_CORE + ["proto", "server/truth", "server/accuracy", "server/control", "server/output"]
@@ -49,12 +49,13 @@ ALLOWED = {
     "server/radar/beam_settings": [],
     "server/radar/receiver_settings": [],
     "server/radar/doppler_settings": [],
+    "server/radar/sea_state": WORDS + ["server/radar/simd"],
     "server/radar/taper": [],
     "server/radar/settings": TO_PROFILE + ["server/radar/beam_settings", "server/radar/receiver_settings", "server/radar/doppler_settings"],
     "server/radar/samples": ["terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,
-    "server/radar/doppler": TO_PROFILE + WORDS + [R + "taper"],
-    "server/radar/beam": TO_PROFILE + WORDS + [R + "doppler", R + "taper"],
+    "server/radar/doppler": TO_PROFILE + WORDS + [R + "sea_state", R + "taper"],
+    "server/radar/beam": TO_PROFILE + WORDS + [R + "doppler", R + "sea_state", R + "taper"],
     "server/radar/geometry": TO_GEOMETRY,
     "server/radar/scene_plan": TO_GEOMETRY + [R + "beam", R + "doppler", R + "taper"],
     "server/radar/narrow_bins": TO_PROFILE + WORDS,

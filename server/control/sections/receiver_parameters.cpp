@@ -81,7 +81,7 @@ const std::array kParameters{
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_m_s>(
         "atmosphere.wind_m_s", "m/s", closed(0, 60), "wind_m_s", {347, i32, 1e3},
         "Wind that moves woods, shrubs, grass and fields: a moving target indicator lets a part of them "
-        "through. It gives the sea its direction, and with sea.state_auto its state.",
+        "through. It gives the sea its direction, its mean Doppler, and with sea.state_auto its state.",
         {.knob = "wind", .modes = "mti pulses"}),
     row<&RadarSettings::atmosphere, &AtmosphereSettings::wind_from_deg>(
         "atmosphere.wind_from_deg", "deg", closed(0, 360), "wind_from_deg", {353, i32, 1e3},
@@ -89,7 +89,7 @@ const std::array kParameters{
     row<&RadarSettings::sea, &SeaSettings::state>(
         "sea.state", "", closed(0, 6), "sea_state", {349, u16, 1e2},
         "Sea state of all water (materials of model \"sea\"), by the NRL model of mean sea clutter; 0: water "
-        "returns what its material says. "
+        "returns what its material says. With a state it moves, in modes mti and pulses. "
         "\"auto\" in a scene file is sea.state_auto.",
         {.knob = "sea state"}),
     row<&RadarSettings::sea, &SeaSettings::state_auto>(

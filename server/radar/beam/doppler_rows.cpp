@@ -27,27 +27,14 @@ MovingEchoes echoes_of(const ByLag& residue) {
 
 void moving_power(const DopplerPlan& doppler, const SharpWedge& wedge, int azimuth,
                   std::vector<float>& moving) {
-  const auto share = static_cast<float>(doppler.moving_share());
-  const auto add = [&](const float* power, float times) {
-    for (std::size_t m = 0; power != nullptr && m < moving.size(); ++m) moving[m] += times * power[m];
-    ask(static_cast<std::int64_t>(moving.size()));
-  };
-  moving.assign(wedge.stride, 0);
-  // Material 0 has what the others leave of the power.
-  const bool has_first = doppler.windy().front() == 0;
-  if (has_first) add(wedge.power_row(azimuth), share);
-  for (const LabelShare& label : wedge.label_powers) {
-    if (label.kind == 0 || label.kind >= LabelShare::kBuildings) continue;
-    const bool moves = std::ranges::binary_search(doppler.windy(), label.kind);
-    if (moves != has_first) add(wedge.label_row(azimuth, label.kind), moves ? share : -share);
-  }
-  for (float& power : moving) power = std::max(power, 0.0F);
+  power_of_materials(wedge, azimuth, doppler.windy(), static_cast<float>(doppler.moving_share()), moving);
 }
 
 DopplerRows::DopplerRows(const EchoPlan& plan)
     : plan_(plan),
       stride_(sharp_stride(plan)),
       moving_echoes_(echoes_of(plan.doppler->residue())),
+      sea_echoes_(echoes_of(plan.doppler->sea_residue())),
       kept_(static_cast<std::size_t>(
           std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))),
       outputs_(kWedgeAzimuthBins),
@@ -64,6 +51,8 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
   moving_.clear();
   re_.clear();
   im_.clear();
+  sea_ = {};
+  const bool has_sea = plan_.doppler->has_sea();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
     Row& row = kept_[place_of(first_row + static_cast<int>(k))];
@@ -73,6 +62,7 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
       row.power = nullptr;
       place(row, rows[k]->sine_row(azimuth), rows[k]->power_row(azimuth), plan_.row_middle_rad(azimuth));
       if (!plan_.doppler->windy().empty()) moving_power(*plan_.doppler, *rows[k], azimuth, row.moving);
+      if (has_sea) row.sea.place(plan_, *rows[k], azimuth);
     }
     if (row.power == nullptr || row.voltages != voltages || row.key != key)
       make(row, *rows[k], voltages, key);
@@ -83,11 +73,19 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
     if (!row.moving.empty()) moving_.push_back(row.moving.data());
     re_.push_back(row.re.data());
     im_.push_back(row.im.data());
+    if (!has_sea) continue;
+    sea_.power.push_back(row.sea.power.data());
+    sea_.re.push_back(row.sea.re.data());
+    sea_.im.push_back(row.sea.im.data());
+    sea_.sin.push_back(row.sea.sin.data());
+    sea_.cos.push_back(row.sea.cos.data());
   }
   const std::size_t all = away_hz_.size() / kWedgeAzimuthBins;
   spans_.resize(all, dark_.data());
   for (auto* const rows_of : {&firsts_, &seconds_, &re_, &im_}) rows_of->resize(all, zeros_.data());
   if (!moving_.empty()) moving_.resize(all, zeros_.data());
+  for (auto* const rows_of : {&sea_.power, &sea_.re, &sea_.im, &sea_.sin, &sea_.cos})
+    if (has_sea) rows_of->resize(all, zeros_.data());
 }
 
 std::size_t DopplerRows::place_of(int row) const {
@@ -138,6 +136,12 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
     row.iq = row.own_iq.data();
   }
   if (plan_.doppler->is_of_beam()) return;
+  const bool has_sea = plan_.doppler->has_sea();
+  if (has_sea) {
+    if (row.iq != nullptr) row.sea.split(row.iq, row.power);
+    if (row.iq != nullptr) row.iq = row.sea.rest_iq.data();
+    row.power = row.sea.rest_power.data();
+  }
   if (!plan_.doppler->is_of_rows()) {
     if (row.iq == nullptr) return;
     row.re.resize(stride_);
@@ -151,15 +155,23 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   row.own_power.resize(stride_);
   if (row.iq != nullptr) row.own_iq.resize(2 * stride_);
   cancel(row, row.power, row.iq, row.own_power.data(), row.own_iq.data());
+  if (has_sea)
+    cancel_sea(row, row.sea.power.data(), row.iq == nullptr ? nullptr : row.sea.iq.data(),
+               row.own_power.data(), row.own_iq.data());
   row.power = row.own_power.data();
   if (row.iq != nullptr) row.iq = row.own_iq.data();
 }
 
-const float* DopplerRows::filtered(std::size_t k, const float* power) {
+const float* DopplerRows::filtered(std::size_t k, const float* power, bool is_sea) {
   if (!plan_.doppler->is_of_rows()) return power;
   Row& row = *rows_[k];
   row.other_power.resize(stride_);
-  cancel(row, power, nullptr, row.other_power.data(), nullptr);
+  if (is_sea) {
+    std::ranges::fill(row.other_power, 0.0F);
+    cancel_sea(row, power, nullptr, row.other_power.data(), nullptr);
+  } else {
+    cancel(row, power, nullptr, row.other_power.data(), nullptr);
+  }
   return row.other_power.data();
 }
 
@@ -171,6 +183,19 @@ void DopplerRows::cancel(const Row& row, const float* power, const float* iq, fl
                                static_cast<float>(doppler.over_noise_root()), row.first.data(), power,
                                row.moving.empty() ? nullptr : row.moving.data(), moving_echoes_, iq,
                                out_power, out_iq});
+}
+
+/// What is left of the sea's power, all of which moves, is added.
+void DopplerRows::cancel_sea(const Row& row, const float* power, const float* iq, float* out_power,
+                             float* out_iq) const {
+  ask(2 * kCancelWork * static_cast<std::int64_t>(stride_));
+  const DopplerPlan& doppler = *plan_.doppler;
+  std::vector<float> left(stride_), left_iq(iq == nullptr ? 0 : 2 * stride_);
+  active_kernels().cancel_row({static_cast<int>(stride_), doppler.delays(),
+                               static_cast<float>(doppler.over_noise_root()), row.sea.sin.data(), power,
+                               power, sea_echoes_, iq, left.data(), left_iq.data()});
+  for (std::size_t m = 0; m < left.size(); ++m) out_power[m] += left[m];
+  for (std::size_t m = 0; m < left_iq.size(); ++m) out_iq[m] += left_iq[m];
 }
 
 }  // namespace obliq

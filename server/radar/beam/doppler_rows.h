@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/radar/beam/sea_part.h"
 #include "server/radar/beam/sharp_wedge.h"
 #include "server/radar/simd/receiver/row_doppler.h"
 
@@ -43,8 +44,16 @@ class DopplerRows {
   const float* away_hz() const { return away_hz_.data(); }
   /// Of their power, what moves in the wind; null: nothing does.
   const float* const* moving() const { return moving_.empty() ? nullptr : moving_.data(); }
-  /// Another power of row k, of a label, behind the same canceller; until the next call for k.
-  const float* filtered(std::size_t k, const float* power);
+  /// Another power of row k, of a label, behind the same canceller; until the next call for k. is_sea: all of
+  /// it is, or none.
+  const float* filtered(std::size_t k, const float* power, bool is_sea);
+  /// The sea in all taken, where plan.doppler->has_sea() and rows are not filtered by themselves: power,
+  /// re and im are of the rest.
+  struct Sea {
+    std::vector<const float*> power, re, im, sin, cos;
+  };
+  const Sea& sea() const { return sea_; }
+  const MovingEchoes& sea_echoes() const { return sea_echoes_; }
 
   /// The same of output azimuths over level ground, kWedgeAzimuthBins from the first on; after take().
   void place_outputs(int first_azimuth);
@@ -67,20 +76,23 @@ class DopplerRows {
     std::vector<float> first, second;
     std::vector<CellSpan> spans;
     std::vector<float> own_power, own_iq, re, im, other_power, moving;
+    SeaPart sea;
   };
   std::size_t place_of(int row) const;
   /// power: that the row's cells count for; of a canceller nothing.
   void place(Row& row, const float* sine, const float* power, double azimuth_rad) const;
   void make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key);
   void cancel(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
+  void cancel_sea(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
 
   const EchoPlan& plan_;
   const std::size_t stride_;
-  const MovingEchoes moving_echoes_;
+  const MovingEchoes moving_echoes_, sea_echoes_;
   std::vector<Row> kept_;   // by their number, on and on
   std::vector<Row*> rows_;  // those taken
   std::vector<const float*> firsts_, seconds_, moving_, re_, im_;
   std::vector<const CellSpan*> spans_;
+  Sea sea_;
   std::vector<Row> outputs_;
   std::vector<float> away_hz_;
   std::vector<float> zeros_;    // a row without ground

@@ -14,6 +14,7 @@
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/doppler_response.h"
+#include "server/radar/sea_state.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
@@ -302,8 +303,9 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
                     13 * (size.n_taps + kWedgeAzimuthBins * layout.azimuth_parts) + 4 * grown_bytes(0, 0);
 
   if (has_doppler_filter(s)) {
-    // DopplerRows: Doppler, I&Q and powers of the current rows. DopplerPlan, polynomials of a canceller.
-    constexpr std::int64_t kRowFloats = 8;
+    // DopplerRows: Doppler, I&Q and powers of the current rows; of the sea (SeaPart) as many again.
+    // DopplerPlan, polynomials of a canceller.
+    const std::int64_t kRowFloats = sea_state(s) > 0 ? 18 : 8;
     constexpr std::int64_t kSpanBytes = sizeof(CellSpan);
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *

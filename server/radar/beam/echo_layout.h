@@ -8,7 +8,7 @@
 #include "server/radar/beam/antenna_axes.h"
 #include "server/radar/beam/patterns.h"
 #include "server/radar/bins.h"
-#include "server/radar/doppler/ground_doppler.h"
+#include "server/radar/doppler/sea_motion.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/receiver/rows.h"
 #include "terrain/base/errors.h"
@@ -28,6 +28,7 @@ struct EchoPlace {
   double above_ground_m = 0;  ///< of the antenna; of use where it leans, and to Doppler
   SectorVelocity velocity = {};
   std::vector<int> windy = {};  ///< materials that move in the wind, where that matters
+  MovingSea sea = {};           ///< the same of the sea
 };
 
 /// The azimuths of ground that an antenna which is not stabilised looks at: its sharp azimuths are scan

@@ -72,7 +72,7 @@ struct Planner {
     const bool turns = s.scan_mode != ScanMode::frame;
     const double turn_rad = turns ? s.scan_rate_deg_s * kDegree_rad / s.pulse.prf_hz : 0;
     plan.doppler = std::make_shared<const DopplerPlan>(s, place.velocity, ranges, turn_rad,
-                                                       place.above_ground_m, place.windy);
+                                                       place.above_ground_m, place.windy, place.sea);
   }
 
   void plan_ground() {

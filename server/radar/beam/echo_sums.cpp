@@ -70,6 +70,7 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
     power_rows[k] = doppler_ ? doppler_->power(k) : rows[k]->power_row(azimuth);
     if (coherent) iq_rows[k] = doppler_ ? doppler_->iq(k) : rows[k]->iq_row(azimuth);
   }
+  sea_rows_ = doppler_ && plan_.doppler->has_sea() ? &doppler_->sea().power : nullptr;
   if (coherent) {
     sum_azimuths({{kPower, &power_rows}, {kIq, &iq_rows}}, bins);
   } else {
@@ -113,10 +114,12 @@ void EchoSums::sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& 
   Rows power_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)));
   for (const int kind : kinds) {
     std::ranges::fill(power_rows, zeros_.data());
+    const bool is_sea = doppler_ && std::ranges::binary_search(plan_.doppler->sea().materials, kind);
     for (std::size_t k = 0; k < rows.size(); ++k)
       if (const float* row = rows[k]->label_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)), kind))
-        power_rows[k] = doppler_ ? doppler_->filtered(k, row) : row;
-    sum_azimuths({{kPower, &power_rows}}, bins);
+        power_rows[k] = doppler_ ? doppler_->filtered(k, row, is_sea) : row;
+    sea_rows_ = is_sea ? &power_rows : nullptr;
+    sum_azimuths({{kPower, is_sea && !plan_.doppler->shares_weights() ? &zero_rows_ : &power_rows}}, bins);
     float* share = label_share(bins, kind).data();
     for (int o = 0; o < bins.n_azimuth; ++o, share += plan_.n_range) {
       sum_ranges(kPower, static_cast<std::size_t>(o));
@@ -243,9 +246,35 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
     active_kernels().sharpened_sum(sum);
     return;
   }
-  const float* const* const sin = doppler_->firsts() + first;
-  const float* const* const cos = doppler_->seconds() + first;
-  const MovingEchoes& echoes = doppler_->moving_echoes();
+  cancel_rows(rows,
+              {doppler_->firsts() + first, doppler_->seconds() + first, moving, doppler_->moving_echoes()});
+  if (sea_rows_ == nullptr) return;
+  // The sea's sums beside those of the rest.
+  const auto n = static_cast<std::size_t>(rows.n);
+  const bool iq = rows.re != nullptr;
+  float rest_power[WeighedRows::kOutputs][EchoPlan::kTile];
+  float rest_iq[WeighedRows::kOutputs][2 * EchoPlan::kTile];
+  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
+    std::copy_n(rows.out_power[o] + rows.first, n, rest_power[o]);
+    if (iq) std::copy_n(rows.out_iq[o] + 2 * rows.first, 2 * n, rest_iq[o]);
+  }
+  const DopplerRows::Sea& sea = doppler_->sea();
+  rows.power = sea_rows_->data() + first;
+  if (iq) rows.re = sea.re.data() + first;
+  if (iq) rows.im = sea.im.data() + first;
+  cancel_rows(rows, {sea.sin.data() + first, sea.cos.data() + first, rows.power, doppler_->sea_echoes()});
+  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
+    for (std::size_t m = 0; m < n; ++m)
+      rows.out_power[o][rows.first + static_cast<int>(m)] += rest_power[o][m];
+    for (std::size_t m = 0; iq && m < 2 * n; ++m)
+      rows.out_iq[o][2 * rows.first + static_cast<int>(m)] += rest_iq[o][m];
+  }
+}
+
+/// Rows behind a canceller whose weights are not a matter of the row alone.
+void EchoSums::cancel_rows(const WeighedRows& rows, const CancelledRows& of) {
+  const DopplerPlan& doppler = *plan_.doppler;
+  const AzimuthKernels& kernels = plan_.kernels;
   const auto lock = [&](auto& sum) {
     for (int o = 0; doppler.has_lock() && o < WeighedRows::kOutputs; ++o) {
       sum.output_sin[o] = doppler_->output_first(o);
@@ -255,20 +284,20 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
   if (kernels.cancelled.empty()) {
     LockedSum sum{rows,
                   kernels.voltage.data(),
-                  sin,
-                  cos,
+                  of.sin,
+                  of.cos,
                   {},
                   {},
                   doppler.delays(),
                   static_cast<float>(doppler.over_noise_root()),
-                  moving,
+                  of.moving,
                   kernels.power.data(),
-                  echoes};
+                  of.echoes};
     lock(sum);
     active_kernels().locked_sum(sum);
   } else {
-    CancelledSum sum{rows,   kernels.cancelled.data(), sin,   cos, {}, {}, doppler.delays(),
-                     moving, kernels.power.data(),     echoes};
+    CancelledSum sum{rows,      kernels.cancelled.data(), of.sin,   of.cos, {}, {}, doppler.delays(),
+                     of.moving, kernels.power.data(),     of.echoes};
     lock(sum);
     active_kernels().cancelled_sum(sum);
   }

@@ -37,6 +37,15 @@ class EchoSums {
   void sum_azimuths(std::initializer_list<Kind> kinds, const BinBlock& bins);
   void sum_shared(std::initializer_list<Kind> kinds, std::size_t tile, int n_azimuth);
   void sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile);
+  /// Of rows, from the first that weighs on: half turns between two pulses; of their power what moves, null:
+  /// nothing, and how.
+  struct CancelledRows {
+    const float* const* sin;
+    const float* const* cos;
+    const float* const* moving;
+    MovingEchoes echoes;
+  };
+  void cancel_rows(const WeighedRows& rows, const CancelledRows& of);
   void take_doppler(const std::vector<const SharpWedge*>& rows, int first_row, DopplerRows::Voltages voltages,
                     std::uint64_t draw);
   /// Of the current rows: `begin` is the first output's first, n from `first` on weigh.
@@ -69,6 +78,7 @@ class EchoSums {
   std::vector<std::complex<float>> phase_;        // [n_range] with speckle "none"
   std::vector<double> range2_m2_;                 // [n_range] of range normalisation; else empty
   std::optional<DopplerRows> doppler_;            // of modes other than map
+  const Rows* sea_rows_ = nullptr;                // of powers that are the sea's, in the sums in hand
 };
 
 }  // namespace obliq

@@ -12,7 +12,7 @@ namespace obliq {
 
 DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& velocity,
                          const SharpRanges& ranges, double turn_rad, double above_ground_m,
-                         std::vector<int> windy)
+                         std::vector<int> windy, MovingSea sea)
     : mode_(settings.mode),
       delays_(settings.doppler.canceller),
       over_noise_root_(1 / std::sqrt(canceller_noise_gain(delays_))),
@@ -23,11 +23,16 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
       train_s_(settings.doppler.pulses / settings.pulse.prf_hz),
       velocity_(velocity),
       windy_(std::move(windy)),
+      sea_(std::move(sea)),
       ground_(velocity, wavelength_at(settings.frequency_ghz)),
       response_(settings) {
   if (!windy_.empty()) {
     moving_share_ = WindSpectrum(settings.atmosphere.wind_m_s, settings.frequency_ghz).moving;
     residue_ = moving_residue(settings);
+  }
+  if (has_sea()) {
+    sea_doppler_ = {sea_.velocity, wavelength_at(settings.frequency_ghz)};
+    sea_residue_ = obliq::sea_residue(settings);
   }
   // psi is that of the sector's centre.
   if (mode_ == RadarMode::sar) sar_s_a_m_ = aperture_s_a_m(settings, velocity.across_m_s(0));

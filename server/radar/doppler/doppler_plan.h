@@ -6,6 +6,7 @@
 
 #include "server/radar/doppler/doppler_response.h"
 #include "server/radar/doppler/ground_doppler.h"
+#include "server/radar/doppler/sea_motion.h"
 #include "server/radar/doppler/wind.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/receiver/row_doppler.h"
@@ -25,9 +26,9 @@ class DopplerPlan {
  public:
   /// turn_rad: how far the antenna turns between two pulses. above_ground_m: of the antenna over level
   /// ground, where a map's output looks for its echo.
-  /// windy: materials whose echoes move.
+  /// windy: materials whose echoes move in the wind.
   DopplerPlan(const RadarSettings& settings, const SectorVelocity& velocity, const SharpRanges& ranges,
-              double turn_rad, double above_ground_m, std::vector<int> windy);
+              double turn_rad, double above_ground_m, std::vector<int> windy, MovingSea sea = {});
 
   RadarMode mode() const { return mode_; }
   /// Something is made of the pulses: weight() has a meaning.
@@ -40,9 +41,7 @@ class DopplerPlan {
   /// cancels, and a notch that stays.
   bool is_of_rows() const { return is_canceller() && !has_lock_ && turn_rad_ == 0; }
   /// Ground that stands still under an antenna that only turns: a canceller is a matter of the beam alone.
-  bool is_of_beam() const {
-    return is_canceller() && turn_rad_ != 0 && velocity_.is_zero() && windy_.empty();
-  }
+  bool is_of_beam() const { return is_canceller() && turn_rad_ != 0 && velocity_.is_zero() && !has_moving(); }
   /// All rows have the same weights, from each output's own on.
   bool shares_weights() const { return is_of_rows() || is_of_beam(); }
   /// Of what a canceller gains of noise.
@@ -51,6 +50,13 @@ class DopplerPlan {
   const std::vector<int>& windy() const { return windy_; }
   double moving_share() const { return moving_share_; }
   const ByLag& residue() const { return residue_; }
+  /// The sea, its Doppler, and what the canceller leaves of it (sea_residue).
+  bool has_sea() const { return !sea_.materials.empty(); }
+  const MovingSea& sea() const { return sea_; }
+  const GroundDoppler& sea_doppler() const { return sea_doppler_; }
+  const ByLag& sea_residue() const { return sea_residue_; }
+  /// What is looked at is told apart by its material.
+  bool has_moving() const { return !windy_.empty() || has_sea(); }
 
   const SectorVelocity& velocity() const { return velocity_; }
   const GroundDoppler& ground() const { return ground_; }
@@ -88,6 +94,9 @@ class DopplerPlan {
   std::vector<int> windy_;
   double moving_share_ = 0;
   ByLag residue_{};
+  MovingSea sea_;
+  GroundDoppler sea_doppler_;
+  ByLag sea_residue_{};
   GroundDoppler ground_;
   DopplerResponse response_;
   std::vector<double> turns_a_hz_;

@@ -142,11 +142,12 @@ void EchoBins::texture_samples(const SampleBatch& samples) {
   for (int s = 0; s < samples.n; ++s) {
     const auto k = static_cast<std::size_t>(s);
     const double dx = samples.x_m[k] - at_m.x, dz = samples.z_m[k] - at_m.z;
-    const double across_m = std::sqrt(dx * dx + dz * dz) * width_rad;
+    const double distance_m = std::sqrt(dx * dx + dz * dz), across_m = distance_m * width_rad;
     const double area_m2 = samples.solid_angle_sr[k] * samples.slant_range_m[k] * samples.slant_range_m[k] /
                            std::max(kLeastSine, std::fabs(samples.sin_elevation[k]));
-    pieces_->x_m[k] = static_cast<float>(dx);
-    pieces_->z_m[k] = static_cast<float>(dz);
+    pieces_->distance_m[k] = static_cast<float>(distance_m);
+    pieces_->sine[k] = static_cast<float>(distance_m > 0 ? dx / distance_m : 0);
+    pieces_->cosine[k] = static_cast<float>(distance_m > 0 ? dz / distance_m : 1);
     pieces_->across_m[k] = static_cast<float>(across_m);
     pieces_->along_m[k] = static_cast<float>(area_m2 / std::max(across_m, 1e-3));
   }

@@ -13,7 +13,7 @@
 #include "server/radar/echo/speckle.h"
 #include "server/radar/samples.h"
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/echoes/sea_texture.h"
+#include "server/radar/simd/ground/sea_texture.h"
 
 namespace obliq {
 

@@ -16,50 +16,6 @@ constexpr int kAnEcho = 4;
 constexpr int kAPiece = 16;
 constexpr int kAScatterer = 8;
 
-/// A piece of ground of one plane in one range bin, by the middle of the bin that it begins in.
-struct SeaPiece {
-  bool is_sea;
-  std::uint32_t run, bin;
-  float distance_m;
-};
-struct TextureOfPieces {
-  const SeaTexture& texture;
-  const ScenePlan& plan;
-  const PlaceOfEchoes& where;
-  SeaPieces& pieces;
-};
-
-/// What the texture makes of n pieces' powers: 1 where they are no sea.
-template <class PieceOf>
-void texture_of(const TextureOfPieces& of, int n, float* tau, const PieceOf& piece_of) {
-  const BinGrid& bins = of.plan.bins();
-  const auto width_rad =
-      static_cast<float>(bins.azimuth_width_rad / sweep_columns_per_bin(of.plan.settings()));
-  int numbers[SeaPieces::kMost];
-  SeaPieces& pieces = of.pieces;
-  pieces.n = 0;
-  const auto take = [&] {
-    ask(kAPiece * pieces.n);
-    active_kernels().sea_texture(of.texture, pieces);
-    for (int k = 0; k < pieces.n; ++k) tau[numbers[k]] = pieces.tau[k];
-    pieces.n = 0;
-  };
-  for (int k = 0; k < n; ++k) {
-    tau[k] = 1;
-    const SeaPiece piece = piece_of(k);
-    if (!piece.is_sea) continue;
-    const auto range_m = static_cast<float>(bins.edge_m(piece.bin + 0.5));
-    numbers[pieces.n] = k;
-    pieces.x_m[pieces.n] = piece.distance_m * static_cast<float>(of.where.sin_bearing[piece.run]);
-    pieces.z_m[pieces.n] = piece.distance_m * static_cast<float>(of.where.cos_bearing[piece.run]);
-    pieces.along_m[pieces.n] =
-        static_cast<float>(bins.range_spacing_m) * (range_m / std::max(piece.distance_m, 1.0F));
-    pieces.across_m[pieces.n] = piece.distance_m * width_rad;
-    if (++pieces.n == SeaPieces::kMost) take();
-  }
-  if (pieces.n > 0) take();
-}
-
 }  // namespace
 
 EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
@@ -116,7 +72,10 @@ void EchoCells::add(GroundEchoes& echoes) {
   const StageProbe probe(Stage::bin);
   const int n = surfaces_ == Surfaces::buildings ? 0 : echoes.n;
   ask(kAnEcho * n);
-  if (texture_ != nullptr && n > 0) texture_sea(echoes);
+  if (texture_ != nullptr && n > 0) {
+    ask(kAPiece * n);
+    active_kernels().texture_echoes(*texture_, pieces_of_bins(), table_.sea->over_gamma, echoes);
+  }
   for (int k = 0; k < n; ++k) {
     const std::uint32_t at = echoes.at[k];
     list_at_[k] = static_cast<std::uint32_t>(
@@ -134,16 +93,43 @@ void EchoCells::add(GroundEchoes& echoes) {
   echoes_ += static_cast<std::uint64_t>(n);
 }
 
-/// Multiplies echoes of the sea by the texture's mean over their pieces.
-void EchoCells::texture_sea(GroundEchoes& echoes) const {
-  float tau[kList];
-  texture_of({*texture_, plan_, where_, *pieces_}, echoes.n, tau, [&](int k) {
-    return SeaPiece{table_.sea->over_gamma[echoes.material[k]] > 0, echoes.at[k] % GroundEchoes::kRuns,
-                    echoes.at[k] / GroundEchoes::kRuns, echoes.distance_m[k]};
-  });
-  for (int k = 0; k < echoes.n; ++k) {
-    echoes.light[k] *= tau[k];
-    echoes.sine[k] *= tau[k];
+PiecesOfBins EchoCells::pieces_of_bins() const {
+  const BinGrid& bins = plan_.bins();
+  PiecesOfBins of;
+  for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) {
+    of.sine[run] = static_cast<float>(where_.sin_bearing[run]);
+    of.cosine[run] = static_cast<float>(where_.cos_bearing[run]);
+  }
+  of.first_m = static_cast<float>(bins.edge_m(0.5));
+  of.spacing_m = static_cast<float>(bins.range_spacing_m);
+  of.width_rad = static_cast<float>(bins.azimuth_width_rad / sweep_columns_per_bin(plan_.settings()));
+  return of;
+}
+
+/// What the texture makes of stretches, as of their echoes; of other ground 1.
+void EchoCells::texture_of(const GroundStretches& stretches, float* tau) const {
+  const PiecesOfBins of = pieces_of_bins();
+  SeaPieces& pieces = *pieces_;
+  int numbers[SeaPieces::kMost];
+  for (int k = 0; k < stretches.n;) {
+    pieces.n = 0;
+    for (; k < stretches.n && pieces.n < SeaPieces::kMost; ++k) {
+      tau[k] = 1;
+      if (!(table_.sea->over_gamma[stretches.material(k)] > 0)) continue;
+      const std::uint32_t run = stretches.run(k);
+      const int to = pieces.n++;
+      numbers[to] = k;
+      const float distance_m = stretches.from_m[k] + of.spacing_m / 2;
+      pieces.distance_m[to] = distance_m;
+      pieces.sine[to] = of.sine[run];
+      pieces.cosine[to] = of.cosine[run];
+      pieces.across_m[to] = distance_m * of.width_rad;
+      const float range_m = of.first_m + static_cast<float>(stretches.bin(k)) * of.spacing_m;
+      pieces.along_m[to] = of.spacing_m * range_m / std::max(distance_m, 1.0F);
+    }
+    ask(kAPiece * pieces.n);
+    active_kernels().sea_texture(*texture_, pieces);
+    for (int to = 0; to < pieces.n; ++to) tau[numbers[to]] = pieces.tau[to];
   }
 }
 
@@ -154,12 +140,7 @@ void EchoCells::add(const GroundStretches& stretches) {
   ask(kAnEcho * stretches.n);
   // As echoes, so that shares of materials fit their sum.
   float tau[GroundStretches::kMost];
-  const auto half_bin_m = static_cast<float>(plan_.bins().range_spacing_m / 2);
-  if (texture_ != nullptr)
-    texture_of({*texture_, plan_, where_, *pieces_}, stretches.n, tau, [&](int k) {
-      return SeaPiece{table_.sea->over_gamma[stretches.material(k)] > 0, stretches.run(k), stretches.bin(k),
-                      stretches.from_m[k] + half_bin_m};
-    });
+  if (texture_ != nullptr) texture_of(stretches, tau);
   for (int k = 0; k < stretches.n; ++k) {
     const std::uint32_t run = stretches.run(k);
     const double factor = texture_ != nullptr ? table_.factor * static_cast<double>(tau[k]) : table_.factor;

@@ -9,8 +9,8 @@
 #include "server/radar/echo/speckle.h"
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/echoes/face_voltages.h"
-#include "server/radar/simd/echoes/sea_texture.h"
 #include "server/radar/simd/ground/ground_echoes.h"
+#include "server/radar/simd/ground/sea_texture.h"
 #include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
@@ -102,7 +102,8 @@ class EchoCells {
   void put_face(int profile, const FaceEcho& echo, double power_w, double sine);
   double elevation_gain2(const glm::dvec3& at_m, double range_m) const;
   void take_faces();
-  void texture_sea(GroundEchoes& echoes) const;
+  PiecesOfBins pieces_of_bins() const;
+  void texture_of(const GroundStretches& stretches, float* tau) const;
 
   const ScenePlan& plan_;
   const SpeckleField& speckle_;

@@ -12,7 +12,7 @@
 
 namespace obliq {
 
-struct SeaTexture;  // server/radar/simd/echoes/sea_texture.h
+struct SeaTexture;  // server/radar/simd/ground/sea_texture.h
 
 /// What water returns over its gamma in the pipeline (sea_over_gamma); null: nothing more.
 struct SeaOfFrame {

@@ -24,14 +24,6 @@ double power_of(double x, double power) { return ratio_of_db(power * db_of_ratio
 
 }  // namespace
 
-double sea_state_of_wind(double wind_m_s) { return wind_m_s > 0 ? power_of(wind_m_s / 3.16, 1 / 0.8) : 0; }
-
-double sea_state(const RadarSettings& settings) {
-  const double state =
-      settings.sea.state_auto ? sea_state_of_wind(settings.atmosphere.wind_m_s) : settings.sea.state;
-  return std::clamp(state, 0.0, kMostSeaState);
-}
-
 double sea_sigma0_db(double state, double grazing_rad, double frequency_ghz, Polarisation polarisation) {
   const NrlFit& fit = polarisation == Polarisation::vertical ? kVertical : kHorizontal;
   const double degrees = std::clamp(grazing_rad / kDegree_rad, kLeastSeaGrazing_deg, kMostSeaGrazing_deg);

@@ -6,7 +6,7 @@
 // 60 degrees, sea states 0 to 6. Published models differ from each other by 3 to 15 dB.
 // GIT: M. M. Horst, F. B. Dyer, M. T. Tuley, "Radar sea clutter model", IEE Conf. Publ. 169 (1978): of it
 // only what the wind's direction does, up to 10 degrees of grazing.
-#include "server/radar/settings.h"
+#include "server/radar/sea_state.h"
 
 namespace obliq {
 
@@ -15,13 +15,7 @@ constexpr double kLeastSea_ghz = 0.5;
 constexpr double kMostSea_ghz = 35;
 constexpr double kLeastSeaGrazing_deg = 0.1;
 constexpr double kMostSeaGrazing_deg = 60;
-constexpr double kMostSeaState = 6;
 constexpr double kMostUpwindGrazing_deg = 10;
-
-/// The sea state that a steady wind raises: U = 3.16 s^0.8 m/s (GIT), not limited.
-double sea_state_of_wind(double wind_m_s);
-/// Of these settings, 0 to 6; 0: water returns what its material says.
-double sea_state(const RadarSettings& settings);
 
 /// Mean sigma0 of the NRL model, in dB.
 double sea_sigma0_db(double state, double grazing_rad, double frequency_ghz, Polarisation polarisation);

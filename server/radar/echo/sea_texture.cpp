@@ -44,10 +44,11 @@ double gamma_below(double shape, double x, double log_gamma_of_shape) {
 
 void fill_texture(double shape, float* tau) {
   const double of_shape = log_gamma(shape);
-  double values[SeaTexture::kSteps + 2];
+  constexpr int kStepsAUnit = 32, kSteps = 2 * SeaTexture::kReach * kStepsAUnit;
+  double values[kSteps + 2];
   double x = 0, mean = 0, weight = 0;
-  for (int k = 0; k <= SeaTexture::kSteps; ++k) {
-    const double z = static_cast<double>(k) / SeaTexture::kStepsAUnit - SeaTexture::kReach;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double z = static_cast<double>(k) / kStepsAUnit - SeaTexture::kReach;
     const double below = normal_below(z);
     // Where the series begins the share is x^shape / Gamma(shape + 1), which is never too little: Newton's
     // method on its logarithm, which is concave in ln x, comes from below.
@@ -66,8 +67,12 @@ void fill_texture(double shape, float* tau) {
     mean += here * values[k];
     weight += here;
   }
-  for (int k = 0; k <= SeaTexture::kSteps; ++k) tau[k] = static_cast<float>(values[k] * weight / mean);
-  tau[SeaTexture::kSteps + 1] = tau[SeaTexture::kSteps];
+  values[kSteps + 1] = values[kSteps];
+  constexpr int kParts = SeaTexture::kStepsAUnit / kStepsAUnit;  // lines between the values
+  for (int k = 0; k <= SeaTexture::kSteps; ++k) {
+    const double low = values[k / kParts], high = values[k / kParts + 1];
+    tau[k] = static_cast<float>((low + (high - low) * (k % kParts) / kParts) * weight / mean);
+  }
 }
 
 std::shared_ptr<const SeaTexture> sea_texture(const ScenePlan& plan) {
@@ -105,8 +110,11 @@ double shape_of_cell(double shape, double along_m, double across_m) {
     for (int k = 0; k < SeaPieces::kMost; ++k) {
       const auto at = static_cast<std::size_t>(k);
       // Far enough apart to have nothing in common, at all places between nodes.
-      pieces->x_m[at] = static_cast<float>((k - SeaPieces::kMost / 2) * (across_m + 97.3));
-      pieces->z_m[at] = static_cast<float>((row + 1) * (along_m + 101.7));
+      const double x_m = (k - SeaPieces::kMost / 2) * (across_m + 97.3), z_m = (row + 1) * (along_m + 101.7);
+      const double distance_m = std::sqrt(x_m * x_m + z_m * z_m);
+      pieces->distance_m[at] = static_cast<float>(distance_m);
+      pieces->sine[at] = static_cast<float>(x_m / distance_m);
+      pieces->cosine[at] = static_cast<float>(z_m / distance_m);
       pieces->along_m[at] = static_cast<float>(along_m);
       pieces->across_m[at] = static_cast<float>(across_m);
     }

@@ -5,14 +5,13 @@
 #include <memory>
 
 #include "server/radar/scene_plan.h"
-#include "server/radar/simd/echoes/sea_texture.h"
+#include "server/radar/sea_state.h"
+#include "server/radar/simd/ground/sea_texture.h"
 
 namespace obliq {
 
 /// Side of the texture's lattice. Assumed: the length of wind waves of states 3 to 5.
 constexpr double kTextureSide_m = 30;
-/// Of the wind's speed, with which the texture drifts downwind. Assumed: the drift of the sea's surface.
-constexpr double kDriftOfWind = 0.03;
 
 /// tau by a normal number (SeaTexture::tau) for a Gamma distribution of this shape and mean 1.
 void fill_texture(double shape, float* tau);

@@ -30,6 +30,7 @@ constexpr int kSpeedLaws = 3;
 /// Of draws beside those of a row's own I&Q.
 constexpr std::uint64_t kMovingDraw = 0x6d6f76696e67;
 constexpr std::uint64_t kSpeedDraw = 0x7370656564;
+constexpr std::uint64_t kSeaDraw = 0x736561;
 
 }  // namespace
 
@@ -48,10 +49,10 @@ GroundPulses::GroundPulses(const FramePlan& plan, const PulseTimes& times, const
       range_re_(stride_ + EchoSums::kSpare),
       range_im_(range_re_.size()) {
   place_rows();
-  if (!sum_.doppler->windy().empty()) {
-    const double rows = narrowest_beam_rad(plan.settings()) / sum_.row_rad();
+  const double rows = narrowest_beam_rad(plan.settings()) / sum_.row_rad();
+  if (!sum_.doppler->windy().empty())
     speeds_ = kSpeedLaws * static_cast<int>(std::ceil(kMovingRows / (kSpeedLaws * rows)));
-  }
+  if (sum_.doppler->has_sea()) sea_speeds_ = static_cast<int>(std::ceil(kMovingRows / rows));
   levels_.resize(cosine_steps::kCount);
   gains_.resize(static_cast<std::size_t>(window_.n_taps) * cosine_steps::kCount);
   int before = 0;
@@ -103,7 +104,7 @@ void GroundPulses::add(const EchoRows::Ready& rows, const PulseTrip& trip, std::
   cut_by_eclipse(trip);
   std::ranges::fill(re_, 0.0F);
   std::ranges::fill(im_, 0.0F);
-  const int parts = 1 + speeds_;
+  const int parts = 1 + speeds_ + sea_speeds_;
   const auto some = static_cast<std::size_t>(std::max(1, kPulseRows / parts));
   for (std::size_t first = 0; first < rows.rows.size(); first += some) {
     std::vector<Row> taken;
@@ -144,7 +145,7 @@ void GroundPulses::set_iq(Row& row, const float* iq) const {
   }
 }
 
-/// A row, and where woods may move in the wind another of what moves.
+/// A row, and where woods may move in the wind, or the sea, others of what moves.
 void GroundPulses::take(const SharpWedge& wedge, int azimuth, std::uint64_t key, std::vector<Row>& all) {
   Row& row = all.emplace_back();
   row.hz.resize(stride_);
@@ -165,21 +166,53 @@ void GroundPulses::take(const SharpWedge& wedge, int azimuth, std::uint64_t key,
   }
   set_iq(row, iq);
   ask(kBinWork * static_cast<std::int64_t>(stride_));
-  if (doppler.windy().empty()) return;
-  std::vector<float> moving;
-  moving_power(doppler, wedge, azimuth, moving);
+  if (!doppler.has_moving()) return;
+  std::vector<float> moving(stride_), sea(stride_);
+  if (!doppler.windy().empty()) moving_power(doppler, wedge, azimuth, moving);
+  if (doppler.has_sea()) power_of_materials(wedge, azimuth, doppler.sea().materials, 1, sea);
   const float* const power = wedge.power_row(azimuth);
   for (std::size_t m = 0; m < stride_; ++m) {
-    if (!(moving[m] > 0)) continue;
-    const float left = std::sqrt(std::max(0.0F, 1 - moving[m] / power[m]));
+    const float away = moving[m] + sea[m];
+    if (!(away > 0)) continue;
+    const float left = std::sqrt(std::max(0.0F, 1 - away / power[m]));
     row.re[m] *= left;
     row.im[m] *= left;
-    moving[m] /= static_cast<float>(speeds_);
+    moving[m] /= static_cast<float>(std::max(1, speeds_));
+    sea[m] /= static_cast<float>(std::max(1, sea_speeds_));
   }
   const std::vector<double> hz = row.hz;
   for (int number = 0; number < speeds_; ++number)
     add_moving(azimuth, moving, number, mix64(key + static_cast<std::uint64_t>(number) + 1), hz,
                all.emplace_back());
+  if (!doppler.has_sea()) return;
+  std::vector<double> sea_hz(stride_);
+  active_kernels().doppler_turns(
+      {{static_cast<int>(stride_), wedge.sine_row(azimuth), doppler.turns_a_hz().data(),
+        doppler.sea_doppler().level_hz(at), doppler.sea_doppler().up_hz()},
+       sea_hz.data()});
+  for (int number = 0; number < sea_speeds_; ++number)
+    add_sea(azimuth, sea, number, mix64((key ^ kSeaDraw) + static_cast<std::uint64_t>(number)), sea_hz,
+            all.emplace_back());
+}
+
+/// A part of the sea becomes a row of its own, each bin with a speed of its Gaussian law about the sea's mean
+/// (SeaMotion). By Box and Muller, of which each part has a stratum of the radius: no few bins make what
+/// cancellers leave.
+void GroundPulses::add_sea(int azimuth, const std::vector<float>& power, int number, std::uint64_t key,
+                           const std::vector<double>& hz, Row& sea) const {
+  const double hz_of_one = 2 * SeaMotion(plan_.settings()).deviation_m_s / sum_.wavelength_m;
+  const std::uint64_t of_row = mix64(mix64(key ^ kSpeedDraw) + static_cast<std::uint64_t>(azimuth));
+  sea.hz = hz;
+  ask(kBinWork * 3 * static_cast<std::int64_t>(stride_));
+  for (std::size_t m = 0; m < stride_; ++m) {
+    if (!(power[m] > 0)) continue;
+    const std::uint64_t hash = mix64(of_row + m);
+    const double radius2 = -2 * log_of_positive((number + uniform_of_hash(hash)) / sea_speeds_);
+    sea.hz[m] += hz_of_one * std::sqrt(radius2) * sincos_turns(turns_of_hash(hash)).cos;
+  }
+  std::vector<float> iq(2 * stride_);
+  draw_sharp_row(sum_, azimuth, mix64(key ^ kMovingDraw), power.data(), iq.data());
+  set_iq(sea, iq.data());
 }
 
 /// A part of what moves becomes a row of its own. Billingsley's density of speeds falls as p = exp(-x), x =

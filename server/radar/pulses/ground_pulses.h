@@ -41,6 +41,8 @@ class GroundPulses {
   void take(const SharpWedge& wedge, int azimuth, std::uint64_t key, std::vector<Row>& all);
   void add_moving(int azimuth, std::vector<float> power, int number, std::uint64_t key,
                   const std::vector<double>& hz, Row& moving) const;
+  void add_sea(int azimuth, const std::vector<float>& power, int number, std::uint64_t key,
+               const std::vector<double>& hz, Row& sea) const;
   void cut_by_eclipse(const PulseTrip& trip);
   void sum_rows(const EchoRows::Ready& rows, std::size_t first_row, const PulseTrip& trip,
                 const std::vector<Row>& all, int parts);
@@ -65,6 +67,7 @@ class GroundPulses {
   RowWindow window_;
   AzimuthRange azimuths_;
   int speeds_ = 0;                         // that a row's bins have of what moves in the wind
+  int sea_speeds_ = 0;                     // and of the sea
   std::vector<double> turns_a_s2_;         // [stride] of the quadratic phase
   std::vector<int> first_of_like_;         // where the gains of pulses like k begin
   std::vector<double> levels_;             // by step: what makes the squares of its gains add up to 1

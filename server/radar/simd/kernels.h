@@ -6,13 +6,13 @@
 #include "server/radar/simd/buildings/sub_columns.h"
 #include "server/radar/simd/echoes/bin_samples.h"
 #include "server/radar/simd/echoes/face_voltages.h"
-#include "server/radar/simd/echoes/sea_texture.h"
 #include "server/radar/simd/ground/cut_at_bins.h"
 #include "server/radar/simd/ground/ground_echoes.h"
 #include "server/radar/simd/ground/ground_plates.h"
 #include "server/radar/simd/ground/ground_speckle.h"
 #include "server/radar/simd/ground/profiles.h"
 #include "server/radar/simd/ground/rays.h"
+#include "server/radar/simd/ground/sea_texture.h"
 #include "server/radar/simd/receiver/cancelled_sums.h"
 #include "server/radar/simd/receiver/pulse_sums.h"
 #include "server/radar/simd/receiver/row_doppler.h"
@@ -31,6 +31,7 @@ namespace obliq {
   K(ground_echoes)        \
   K(ground_places)        \
   K(sea_texture)          \
+  K(texture_echoes)       \
   K(profile_nodes)        \
   K(see_part)             \
   K(face_voltages)        \

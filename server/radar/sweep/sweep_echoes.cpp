@@ -137,8 +137,9 @@ void SweepEchoes::start_plane(int half) {
     const ElevationTable& elevation = cut_.echo.elevation;
     if (const SeaTable* sea = cut_.echo.sea; sea != nullptr) {
       cut_.sea_lean[run] = static_cast<float>(sea->lean(bearing.sin, bearing.cos));
-      cut_.sea_curve[run] = static_cast<float>(sea->curve(bearing.sin, bearing.cos));
-      cut_.against_wind[run] = static_cast<float>(bearing.sin * sea->wind_sin + bearing.cos * sea->wind_cos);
+      cut_.half_sea_curve[run] = static_cast<float>(sea->curve(bearing.sin, bearing.cos) / 2);
+      cut_.upwind[run] =
+          sea->upwind * static_cast<float>(bearing.sin * sea->wind_sin + bearing.cos * sea->wind_cos);
     }
     cut_.lean[run] = static_cast<float>(elevation.lean_x * bearing.sin + elevation.lean_z * bearing.cos);
   }

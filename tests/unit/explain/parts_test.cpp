@@ -1,13 +1,16 @@
 // The parts of `obliq explain` that are not closed forms: comparison, verdict, changed copies, tables.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/explain/explanation.h"
 #include "server/explain/measurement.h"
 #include "server/explain/table.h"
+#include "server/radar/frame_plan.h"
 #include "terrain/base/text.h"
 #include "terrain/buildings/building_mesh.h"
+#include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
 namespace obliq {
@@ -212,6 +215,31 @@ TEST(Table, CsvFieldsAreQuotedWhereTheyMust) {
   EXPECT_EQ(csv_field("plain"), "plain");
   EXPECT_EQ(csv_field("a,b"), "\"a,b\"");
   EXPECT_EQ(csv_field("say \"x\""), "\"say \"\"x\"\"\"");
+}
+
+TEST(RasterRows, SayWhatRastersOfGammaHold) {
+  World world = test::made_world(1000, 100, [](double, double) { return 0.0; });
+  const auto rows_of_world = [&] {
+    const auto scene = test::make_scene(World(world), test::two_materials());
+    const Pose pose = test::pose_over_origin(scene->world(), 500);
+    RadarSettings settings;
+    settings.frustum = FrustumKind::sweep;
+    return raster_rows(*plan_frame(scene, test::snapshot(settings), pose).plan);
+  };
+  EXPECT_TRUE(rows_of_world().empty());
+  // Of 400 cells 100 with a gamma of -20 dB, 40 times 2, 10 times 4, the others as their material.
+  ASSERT_EQ((world.grid.nx - 1) * (world.grid.nz - 1), 400);
+  world.raster_gamma.assign(400, 1.0F);
+  std::fill_n(world.raster_gamma.begin(), 100, -0.01F);
+  std::fill_n(world.raster_gamma.begin() + 100, 40, 2.0F);
+  std::fill_n(world.raster_gamma.begin() + 200, 10, 4.0F);
+  const auto rows = rows_of_world();
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(
+      rows[0].text,
+      "Of 400 ground cells 12.5 % return their material's power times a raster's: 3.0, 3.0, 6.0 dB, least, "
+      "median, greatest. Of all 25.0 % have a raster's gamma in the material's place: -20.0, -20.0, -20.0 "
+      "dB, least, median, greatest. ");
 }
 
 }  // namespace

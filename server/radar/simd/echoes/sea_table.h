@@ -3,7 +3,7 @@
 // table).
 #include <cstdint>
 
-#include "server/radar/simd/lanes/float_lanes.h"
+#include "server/radar/simd/lanes/table_window.h"
 
 namespace obliq {
 
@@ -38,31 +38,32 @@ struct SeaTable {
 
 #if defined(OBLIQ_ISA)
 
-/// exp(x), |x| <= 0.9, to 2e-6: the Taylor series.
+/// exp(x), |x| <= 0.9, to 6e-5: the Chebyshev series.
 OBLIQ_LANES Lanes<T, n> exp_of_small(Lanes<T, n> x) {
-  constexpr float kOverFactorials[] = {1.0F / 5040, 1.0F / 720, 1.0F / 120, 1.0F / 24,
-                                       1.0F / 6,    0.5F,       1.0F,       1.0F};
-  Lanes<T, n> sum = Lanes<T, n>{} + 1.0F / 40320;
-  for (const float term : kOverFactorials) sum = sum * x + term;
-  return sum;
+  const Lanes<T, n> x2 = x * x;
+  const Lanes<T, n> high = 0.0433829196F + x * 0.00861868593F;
+  const Lanes<T, n> middle = 0.499475763F + x * 0.166550543F;
+  return (1.00002366F + x * 1.00001179F) + x2 * (middle + x2 * high);
 }
 
-/// The table's gamma. Lanes without surface may hold anything.
-OBLIQ_LANES Lanes<T, n> sea_gamma(const SeaTable& table, Lanes<T, n> sine, Lanes<T, n> against_wind) {
+/// What each piece of water in `wanted` returns over the gamma of its material; other lanes may hold
+/// anything. upwind: SeaTable's times the cosine of the bearing against the wind. The window: of these runs,
+/// kept from one call to the next.
+OBLIQ_LANES Lanes<T, n> sea_gamma(const SeaTable& table, Lanes<T, n> sine, Lanes<T, n> upwind,
+                                  Lanes<MaskOf<float>, n> wanted, TableWindow& window) {
   const Lanes<T, n> least = Lanes<T, n>{} + SeaTable::kLeastSine;
-  const Lanes<T, n> at = min(select(sine > least, sine, least), Lanes<T, n>{} + 1.0F);
+  const Lanes<T, n> at = min(max(least, sine), Lanes<T, n>{} + 1.0F);  // of a NaN the least
   const auto bits = OBLIQ_ISA::bits_as<std::int32_t>(at);
   const auto k = (bits - SeaTable::kLeastBits) >> SeaTable::kRestBits;
   const auto rest =
       converted<float>(bits & ((1 << SeaTable::kRestBits) - 1)) * (1.0F / (1 << SeaTable::kRestBits));
-  const auto low = gather(table.gamma, k);
-  const Lanes<T, n> gamma = low + rest * (gather(table.gamma + 1, k) - low);
+  const Pairs<Lanes<T, n>> beside = gather_pairs(table.gamma, k, wanted, window);
+  const Lanes<T, n> gamma = beside.first + rest * (beside.second - beside.first);
   if (!(table.upwind > 0)) return gamma;
-  // The angle of a sine below that of 10 degrees, to 1e-5.
+  // The angle of a sine below that of 10 degrees is s + s^3 / 6, to 1e-5.
   const Lanes<T, n> s =
-      clamp(at, Lanes<T, n>{} + table.least_upwind_sine, Lanes<T, n>{} + table.most_upwind_sine);
-  const Lanes<T, n> grazing = s + s * s * s * (1.0F / 6);
-  return gamma * exp_of_small(table.upwind * (1.0F - 2.8F * grazing) * against_wind);
+      min(max(at, Lanes<T, n>{} + table.least_upwind_sine), Lanes<T, n>{} + table.most_upwind_sine);
+  return gamma * exp_of_small(upwind * (1.0F - s * (2.8F + (2.8F / 6) * (s * s))));
 }
 
 #endif

@@ -42,6 +42,14 @@ OBLIQ_INLINE f32x8 of_cells(const GroundCut& cut, const T* table, const SegmentR
   });
 }
 
+/// What a table says of materials: mostly of one.
+template <int n>
+OBLIQ_INLINE Floats<n> of_materials(const float* table, Floats<n> material) {
+  const float first = material[0];
+  if (any(material != first)) return gather(table, truncated(material));
+  return all<n>(table[static_cast<int>(first)]);
+}
+
 /// Straight segments: (d, h) = (from + t, height + rise t), t from `at` to `end`.
 template <int n>
 struct Parts {
@@ -69,25 +77,25 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
                 cross_section_of(table, high_half(material), high_half(sec2)));
 }
 
-/// What water in the lanes in `seen` returns over what its material says; 1 of other ground. (d, h): a
-/// piece's middle; over_range: 1 over its range.
+/// What water in the lanes in `seen` returns over what its material says; 1 of other ground. (d2, h2): the
+/// sum of a piece's ends; over_range: 1 over its range.
 template <int n>
-OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d,
-                                Floats<n> h, Floats<n> over_range) {
+OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d2,
+                                Floats<n> h2, Floats<n> over_range, TableWindow& window) {
   const Where<n> water = seen & (parts.over_gamma > 0.0F);
   if (!any(water)) return all<n>(1.0F);
-  const Floats<n> fall = d * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.sea_curve) * d) - h;
-  return select(
-      water,
-      parts.over_gamma * sea_gamma(*cut.echo.sea, fall * over_range, load_as<Floats<n>>(cut.against_wind)),
-      all<n>(1.0F));
+  const Floats<n> fall2 =
+      d2 * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.half_sea_curve) * d2) - h2;
+  const Floats<n> gamma =
+      sea_gamma(*cut.echo.sea, 0.5F * over_range * fall2, load_as<Floats<n>>(cut.upwind), water, window);
+  return select(water, parts.over_gamma * gamma, all<n>(1.0F));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
 /// those that are not done are in `wanted`, from parts.at on.
 template <bool kSines, int n, class Labels>
 OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, Running<n>& now,
-                      GroundEchoes& out, Labels& labels) {
+                      GroundEchoes& out, Labels& labels, TableWindow& sea) {
   using Float = Floats<n>;
   const auto r_min = static_cast<float>(cut.axis.r_min_m);
   const auto spacing = static_cast<float>(cut.axis.range_spacing_m);
@@ -165,9 +173,6 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
         if (cut.raster_gamma != nullptr) sigma = as_raster_says(parts.raster_gamma, sigma);
         gain *= sigma;
       }
-      if (cut.echo.sea != nullptr)
-        gain *=
-            sea_gain<n>(cut, parts, in_swath, 0.5F * (d0 + d1), 0.5F * (h0 + h1), 0.5F * (r0 + r1) * over2);
       Float sine{};
       // Labels have one text of both.
       const bool widths = kSines && (!Labels::kWanted || cut.echo.sines);
@@ -193,6 +198,9 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
       const Where<n> fresh = has & ~same;
       if (const unsigned ended = movemask(fresh & (now.bin >= 0.0F)); ended != 0)
         put<kSines>(ended, now, out);
+      // Behind what decides which bin is on the way, so that nothing waits for it.
+      if (cut.echo.sea != nullptr)
+        light *= sea_gain<n>(cut, parts, has, d0 + d1, h0 + h1, 0.5F * over2 * (r0 + r1), sea);
       if constexpr (kSines)
         now.sine = select(same, now.sine + light * sine, select(fresh, light * sine, now.sine));
       now.light = select(same, now.light + light, select(fresh, light, now.light));
@@ -236,6 +244,7 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
   using Float = Floats<n>;
   Running<n> now(out);
   Labels labels(stretches);
+  TableWindow sea;
   bool room = true;
   for (; a.first < a.end || b.first < b.end; ++a.first, ++b.first) {
     if (labels.is_full()) {
@@ -264,13 +273,13 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     if (cut.material != nullptr) parts.material = of_both(cut.material);
     if (cut.raster_gamma != nullptr) parts.raster_gamma = of_both(cut.raster_gamma);
     if (cut.echo.sea != nullptr) {
-      parts.over_gamma = gather(cut.echo.sea->over_gamma, truncated(parts.material));
+      parts.over_gamma = of_materials(cut.echo.sea->over_gamma, parts.material);
       // A raster of gamma in the material's place stands in the place of the sea as well.
       if (cut.raster_gamma != nullptr)
         parts.over_gamma = select(parts.raster_gamma < 0.0F, Float{}, parts.over_gamma);
     }
     if (!cut.echo.any_lobes) {
-      Float gamma = gather(cut.echo.gamma_f, truncated(parts.material));
+      Float gamma = of_materials(cut.echo.gamma_f, parts.material);
       if (cut.raster_gamma != nullptr) gamma = as_raster_says(parts.raster_gamma, gamma);
       parts.gain *= gamma;
     }
@@ -283,17 +292,17 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
       const Float whole = parts.end;
       const Float turn = clamp(-along / rate2, Float{}, whole);
       parts.end = select(turns, turn, whole);
-      room = add<kSines>(cut, parts, wanted, now, out, labels);
+      room = add<kSines>(cut, parts, wanted, now, out, labels, sea);
       left_over = wanted | turns;
       parts.end = whole;
       if (room) {
         parts.at = turn;
         wanted = turns;
-        room = add<kSines>(cut, parts, wanted, now, out, labels);
+        room = add<kSines>(cut, parts, wanted, now, out, labels, sea);
         left_over = wanted;
       }
     } else {
-      room = add<kSines>(cut, parts, wanted, now, out, labels);
+      room = add<kSines>(cut, parts, wanted, now, out, labels, sea);
       left_over = wanted;
     }
     if (!room) {

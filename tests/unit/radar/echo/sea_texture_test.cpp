@@ -22,6 +22,13 @@ SeaTexture texture_of(double shape, std::uint32_t seed = 1) {
   return texture;
 }
 
+void put(SeaPieces& pieces, std::size_t k, double x_m, double z_m) {
+  const double distance_m = std::hypot(x_m, z_m);
+  pieces.distance_m[k] = static_cast<float>(distance_m);
+  pieces.sine[k] = static_cast<float>(distance_m > 0 ? x_m / distance_m : 0);
+  pieces.cosine[k] = static_cast<float>(distance_m > 0 ? z_m / distance_m : 1);
+}
+
 /// tau of points: of pieces without size, a golden ratio of a lattice's side and more apart.
 std::vector<double> points_of(const SeaTexture& texture, int rows, double shift_m = 0, double piece_m = 0) {
   std::vector<double> tau;
@@ -31,8 +38,7 @@ std::vector<double> points_of(const SeaTexture& texture, int rows, double shift_
   for (int row = 0; row < rows; ++row) {
     for (int k = 0; k < SeaPieces::kMost; ++k) {
       const auto at = static_cast<std::size_t>(k);
-      pieces->x_m[at] = static_cast<float>((k - 512) * apart_m / 10 + shift_m);
-      pieces->z_m[at] = static_cast<float>((row + 1) * apart_m / 7);
+      put(*pieces, at, (k - 512) * apart_m / 10 + shift_m, (row + 1) * apart_m / 7);
       pieces->along_m[at] = pieces->across_m[at] = static_cast<float>(piece_m);
     }
     active_kernels().sea_texture(texture, *pieces);
@@ -72,7 +78,7 @@ TEST(SeaTexture, IsGammaDistributed) {
 }
 
 TEST(SeaTexture, TablesOfAllShapesAreFiniteAndRise) {
-  std::vector<float> tau(SeaTexture::kSteps + 2);
+  std::vector<float> tau(SeaTexture::kSteps + 1);
   for (const double shape : {0.001, 0.1, 0.3, 1.0, 3.0, 20.0}) {
     fill_texture(shape, tau.data());
     EXPECT_TRUE(std::ranges::is_sorted(tau)) << shape;
@@ -126,19 +132,18 @@ TEST(SeaTexture, HasTheSameBitsInAllInstructionSetsAndInAnyList) {
     pieces->n = 1000;
     for (int k = 0; k < pieces->n; ++k) {
       const auto at = static_cast<std::size_t>(k);
-      pieces->x_m[at] = static_cast<float>(k * 37.1 - 15000);
-      pieces->z_m[at] = static_cast<float>(k * k % 1009) * 11.3F - 4000;
+      put(*pieces, at, k * 37.1 - 15000, k * k % 1009 * 11.3 - 4000);
       pieces->along_m[at] = static_cast<float>(k % 23) * 13;
       pieces->across_m[at] = static_cast<float>(k % 7) * 40;
     }
-    pieces->x_m[5] = pieces->z_m[5] = 0;
+    put(*pieces, 5, 0, 0);
     kernels.sea_texture(texture, *pieces);
     all.emplace_back(pieces->tau, pieces->tau + pieces->n);
     // Alone.
     for (const std::size_t k : {std::size_t{5}, std::size_t{77}, std::size_t{999}}) {
       SeaPieces& one = *pieces;
       const float before = one.tau[k];
-      one.x_m[0] = one.x_m[k], one.z_m[0] = one.z_m[k];
+      one.distance_m[0] = one.distance_m[k], one.sine[0] = one.sine[k], one.cosine[0] = one.cosine[k];
       one.along_m[0] = one.along_m[k], one.across_m[0] = one.across_m[k];
       one.n = 1;
       kernels.sea_texture(texture, one);

@@ -1,0 +1,43 @@
+#pragma once
+// What the sea's own motion does to the Doppler of its echoes: a Gaussian spectrum about a mean.
+//
+// Mean: the scatterers are waves of half the radar's wavelength along the surface (Bragg), which run downwind
+// at their phase speed, c^2 = g / k + (T / rho) k with k = 4 pi / lambda, upon water that the wind drags
+// along. D. B. Trizna, "A model for Doppler peak spectral shift for low grazing angle sea scatter", IEEE J.
+// Oceanic Eng. 10(4), 1985, has both: it agrees with vertical polarisation; horizontal polarisation moves
+// faster, and so do high waves, which are left out. Across the wind the mean is 0: it goes with the cosine
+// between. Deviation: 0.101 of the wind's speed (F. E. Nathanson, Radar Design Principles, 1969: half power
+// width 0.24 of it), of the wind that raises the state.
+#include <vector>
+
+#include "server/radar/doppler/canceller.h"
+#include "server/radar/doppler/ground_doppler.h"
+#include "server/radar/settings.h"
+
+namespace obliq {
+
+constexpr double kSeaDeviationOfWind = 0.101;
+
+/// Phase speed of waves that are half a radar's wavelength long.
+double bragg_speed_m_s(double wavelength_m);
+
+struct SeaMotion {
+  double downwind_m_s = 0;   ///< the mean; 0 without wind, which has a direction
+  double deviation_m_s = 0;  ///< standard deviation
+
+  explicit SeaMotion(const RadarSettings& settings);
+  /// Size of the correlation after so long; the mean turns its phase.
+  double correlation(double lag_s, double wavelength_m) const;
+};
+
+/// Water that moves as the sea does.
+struct MovingSea {
+  std::vector<int> materials = {};  ///< sorted; empty: none
+  SectorVelocity velocity = {};     ///< of the antenna over it
+};
+
+/// What a canceller leaves of the sea over its mean power, as moving_residue: sum of a[k] cos(k phase), phase
+/// of what the sea's mean and the radar's own motion turn between two pulses.
+ByLag sea_residue(const RadarSettings& settings);
+
+}  // namespace obliq

@@ -1,0 +1,135 @@
+#include "server/radar/simd/ground/sea_texture.h"
+
+#include "server/radar/simd/lanes/float_lanes.h"
+
+namespace obliq::OBLIQ_ISA {
+namespace {
+
+using u32x16 = Lanes<std::uint32_t, kFloatLanes>;
+
+/// The finaliser of MurmurHash3 (A. Appleby, public domain).
+OBLIQ_INLINE u32x16 mixed(u32x16 h) {
+  h = (h ^ (h >> 16)) * 0x85ebca6bU;
+  h = (h ^ (h >> 13)) * 0xc2b2ae35U;
+  return h ^ (h >> 16);
+}
+
+/// Sum of four random bytes: all but normal. Its excess kurtosis is that of four uniform numbers, -1.2 / 4.
+constexpr float kMean = 510;
+constexpr float kOverDeviation = 1 / 147.80054F;  // sqrt(4 (256^2 - 1) / 12)
+constexpr float kExcess = -0.3F;
+OBLIQ_INLINE f32x16 at_node(u32x16 place) {
+  const u32x16 h = mixed(place);
+  const u32x16 pairs = (h & 0x00ff00ffU) + ((h >> 8) & 0x00ff00ffU);
+  return converted<float>(OBLIQ_ISA::bits_as<std::int32_t>((pairs + (pairs >> 16)) & 0xffffU));
+}
+
+/// Between two nodes of an axis.
+struct Along {
+  u32x16 node;
+  f32x16 low, high;       // weights of the node and the next
+  f32x16 over_deviation;  // 1 / sqrt(low^2 + high^2)
+  f32x16 kurtosis;        // (low^4 + high^4) / (low^2 + high^2)^2
+};
+OBLIQ_INLINE Along along(f32x16 at, std::int32_t node) {
+  const f32x16 cut = floats_of(truncated(at));
+  const f32x16 floor = select(cut > at, cut - 1.0F, cut);
+  Along to;
+  to.node = OBLIQ_ISA::bits_as<std::uint32_t>(truncated(floor) + node);
+  to.high = at - floor;
+  to.low = 1.0F - to.high;
+  // low^2 + high^2 = 0.5 + 2 (high - 0.5)^2. Its inverse root by the Chebyshev series, to 9e-5.
+  const f32x16 beside = to.high - 0.5F;
+  const f32x16 q = beside * beside - 0.125F, q2 = q * q;
+  to.over_deviation =
+      (1.15470054F - 1.53629405F * q) + q2 * ((3.07109584F - 7.66906297F * q) + 17.9908893F * q2);
+  const f32x16 mixed = (to.low * to.high) * (to.over_deviation * to.over_deviation);
+  to.kurtosis = 1.0F - 2.0F * (mixed * mixed);
+  return to;
+}
+
+OBLIQ_INLINE f32x16 tau_at(const SeaTexture& texture, f32x16 x_m, f32x16 z_m) {
+  const Along x = along(x_m * texture.nodes_per_m + texture.part_x, texture.node_x);
+  const Along z = along(z_m * texture.nodes_per_m + texture.part_z, texture.node_z);
+  constexpr std::uint32_t kOfX = 0x9e3779b1U, kOfZ = 0x85ebca77U;
+  const u32x16 x0 = x.node * kOfX, x1 = x0 + kOfX, z0 = z.node * kOfZ + texture.seed, z1 = z0 + kOfZ;
+  const f32x16 sum = (at_node(x0 ^ z0) * x.low + at_node(x1 ^ z0) * x.high) * z.low +
+                     (at_node(x0 ^ z1) * x.low + at_node(x1 ^ z1) * x.high) * z.high;
+  f32x16 normal = (sum - kMean) * (kOverDeviation * (x.over_deviation * z.over_deviation));
+  // What is left of the kurtosis goes by Cornish and Fisher's first term.
+  normal -= ((kExcess / 24) * (x.kurtosis * z.kurtosis)) * (normal * (normal * normal - 3.0F));
+  const f32x16 at = normal * static_cast<float>(SeaTexture::kStepsAUnit) +
+                    (static_cast<float>(SeaTexture::kReach * SeaTexture::kStepsAUnit) + 0.5F);
+  return gather(texture.tau, truncated(min(max(f32x16{}, at), all_lanes(float{SeaTexture::kSteps}))));
+}
+
+/// Points that a length is cut into: at most 0.6 of the lattice's side apart, up to eight.
+OBLIQ_INLINE f32x16 points(f32x16 length_m, float nodes_per_m) {
+  const f32x16 wanted = clamp(length_m * (nodes_per_m / 0.6F) + 0.999F, all_lanes(1.0F), all_lanes(8.0F));
+  return converted<float>(converted<std::int32_t>(wanted));
+}
+
+/// The mean of tau over a piece, as SeaPieces has them.
+OBLIQ_INLINE f32x16 mean_tau(const SeaTexture& texture, f32x16 distance, f32x16 sine, f32x16 cosine,
+                             f32x16 length, f32x16 width) {
+  const f32x16 n_along = points(length, texture.nodes_per_m), n_across = points(width, texture.nodes_per_m);
+  const f32x16 step = length / n_along, step_across = width / n_across;
+  const float most_along = greatest_of(n_along), most_across = greatest_of(n_across);
+  f32x16 sum{};
+  for (float i = 0; i < most_along; ++i) {
+    const f32x16 on = distance + (i + 0.5F - 0.5F * n_along) * step;
+    const mask16 reached = n_along > i;
+    for (float j = 0; j < most_across; ++j) {
+      const mask16 used = reached & (n_across > j);
+      if (!any(used)) continue;
+      const f32x16 aside = (j + 0.5F - 0.5F * n_across) * step_across;
+      sum += select(used, tau_at(texture, on * sine + aside * cosine, on * cosine - aside * sine), f32x16{});
+    }
+  }
+  return sum / (n_along * n_across);
+}
+
+}  // namespace
+
+void sea_texture(const SeaTexture& texture, SeaPieces& pieces) {
+  for (int first = 0; first < pieces.n; first += kFloatLanes) {
+    const mask16 there =
+        converted<float>(lane_numbers<std::int32_t, kFloatLanes>()) < static_cast<float>(pieces.n - first);
+    const auto in = [&](const float* of) __attribute__((always_inline)) {
+      return select(there, load_floats(of + first), f32x16{});
+    };
+    store(pieces.tau + first, mean_tau(texture, in(pieces.distance_m), in(pieces.sine), in(pieces.cosine),
+                                       in(pieces.along_m), in(pieces.across_m)));
+  }
+}
+
+void texture_echoes(const SeaTexture& texture, const PiecesOfBins& of, const float* over_gamma,
+                    GroundEchoes& echoes) {
+  static_assert(GroundEchoes::kRuns == kFloatLanes && GroundEchoes::kMost % kFloatLanes == 0);
+  static_assert(GroundEchoes::kSpare >= kFloatLanes);
+  for (int first = 0; first < echoes.n; first += kFloatLanes) {
+    const mask16 there =
+        converted<float>(lane_numbers<std::int32_t, kFloatLanes>()) < static_cast<float>(echoes.n - first);
+    const auto whole = [&](const std::uint32_t* from) __attribute__((always_inline)) {
+      return OBLIQ_ISA::bits_as<std::int32_t>(load_as<u32x16>(from + first));
+    };
+    const i32x16 material = select(there, whole(echoes.material), i32x16{});
+    const mask16 water = there & (gather(over_gamma, material) > 0.0F);
+    if (!any(water)) continue;
+    const i32x16 at = select(water, whole(echoes.at), i32x16{});
+    const i32x16 run = at & (GroundEchoes::kRuns - 1);
+    const f32x16 bin = converted<float>(at >> GroundEchoes::kLog2Runs);
+    const f32x16 distance = select(water, load_floats(echoes.distance_m + first), all_lanes(1.0F));
+    const f32x16 range = of.first_m + bin * of.spacing_m;
+    const f32x16 length = of.spacing_m * range / max(distance, all_lanes(1.0F));
+    const f32x16 tau = select(water,
+                              mean_tau(texture, distance, gather(of.sine, run), gather(of.cosine, run),
+                                       length, distance * of.width_rad),
+                              all_lanes(1.0F));
+    // What is behind the last one means nothing.
+    store(echoes.light + first, load_floats(echoes.light + first) * tau);
+    store(echoes.sine + first, load_floats(echoes.sine + first) * tau);
+  }
+}
+
+}  // namespace obliq::OBLIQ_ISA
