@@ -8,6 +8,7 @@
 #include "server/control/parameters.h"
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/doppler_response.h"
+#include "server/radar/doppler/ground_doppler.h"
 #include "terrain/base/units.h"
 
 namespace obliq {
@@ -79,19 +80,20 @@ void check_train(const RadarSettings& s, std::vector<FieldError>& errors) {
   if (s.speckle == SpeckleKind::none)
     errors.push_back({"radar.speckle", "\"none\" with radar.mode = \"pulses\"",
                       "\"ground\", \"independent\" or \"auto\": pulses are sums of scatterers that turn"});
-  const auto& ratios = s.pulse.stagger;
-  const double shortest = ratios.empty() ? 1 : *std::ranges::min_element(ratios);
-  const double unambiguous_m = kSpeedOfLight_m_s / 2 * shortest / s.pulse.prf_hz;
+  const double unambiguous_m = unambiguous_range_m(s, s.pulse.prf_hz);
   if (s.r_max_m <= unambiguous_m) return;
+  const auto& ratios = s.pulse.stagger;
   std::string allowed = "radar.r_max_m = " + toml_number(std::floor(unambiguous_m));
-  const double most_hz = std::floor(1000 * kSpeedOfLight_m_s / 2 * shortest / s.r_max_m) / 1000;
+  const double most_hz = std::floor(1000 * unambiguous_range_m(s, 1) / s.r_max_m) / 1000;
   if (most_hz >= limits_of("pulse.prf_hz").low)
     allowed = "at most " + toml_number(most_hz) + " Hz, or " + allowed;
-  errors.push_back({"pulse.prf_hz",
-                    toml_number(s.pulse.prf_hz) + " with radar.r_max_m = " + toml_number(s.r_max_m) +
-                        (ratios.empty() ? "" : " and a pulse.stagger of " + toml_number(shortest)) +
-                        ": the next pulse is sent before the last gate",
-                    allowed});
+  errors.push_back(
+      {"pulse.prf_hz",
+       toml_number(s.pulse.prf_hz) + " with radar.r_max_m = " + toml_number(s.r_max_m) +
+           (ratios.empty() ? ""
+                           : " and a pulse.stagger of " + toml_number(*std::ranges::min_element(ratios))) +
+           ": the next pulse is sent before the last gate",
+       allowed});
 }
 
 }  // namespace

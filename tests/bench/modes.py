@@ -26,6 +26,7 @@ RUNS = {
     "mti, scanning": BEAM + SCANNING + ["radar.mode=mti"],
     "mti, scanning, wind": BEAM + SCANNING + ["radar.mode=mti", "atmosphere.wind_m_s=5"],
     "mti, scanning, flying": BEAM + FLYING + SCANNING + ["radar.mode=mti"],
+    "mti, scanning, flying, lock": BEAM + FLYING + SCANNING + ["radar.mode=mti", "doppler.clutter_lock=true"],
     "map, patch": PATCH,
     "sar of 3 m": PATCH + ["radar.mode=sar", "doppler.resolution_m=3"],
 }

@@ -1,5 +1,6 @@
 #pragma once
 // Targets in small scenes, and what they add to frames.
+#include <cmath>
 #include <complex>
 #include <vector>
 
@@ -12,6 +13,8 @@
 namespace obliq::test {
 
 constexpr double kAntenna_m = 1000;
+
+inline double db(double ratio) { return 10 * std::log10(ratio); }
 
 inline World level_world() {
   return made_world(13000, 100, [](double, double) { return 0.0; });
@@ -142,5 +145,13 @@ class TargetScene {
   std::shared_ptr<const Scene> scene_;
   Pose pose_;
 };
+
+/// v at psi degrees left of the sector's middle, which looks north.
+inline void fly(TargetScene& scene, double v_m_s, double psi_deg, double up_m_s = 0) {
+  PoseSettings& at = scene.pose().settings;
+  at.velocity_north_m_s = v_m_s * std::cos(psi_deg * kDegree_rad);
+  at.velocity_east_m_s = -v_m_s * std::sin(psi_deg * kDegree_rad);
+  at.velocity_up_m_s = up_m_s;
+}
 
 }  // namespace obliq::test

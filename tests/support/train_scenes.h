@@ -9,8 +9,6 @@
 
 namespace obliq::test {
 
-inline double db(double ratio) { return 10 * std::log10(ratio); }
-
 /// X band, 3 degrees, 64 gates around 6 km.
 inline RadarSettings train_settings() {
   RadarSettings s = radar_settings(FrustumKind::sweep, {5000, 7000, 21}, {105, 64}, {105, 1});
@@ -23,14 +21,6 @@ inline RadarSettings train_settings() {
   s.beam.width_deg = 3;
   s.beam.extent_deg = 8;
   return s;
-}
-
-/// v at psi degrees left of the sector's middle, which looks north.
-inline void fly(TargetScene& scene, double v_m_s, double psi_deg, double up_m_s = 0) {
-  PoseSettings& at = scene.pose().settings;
-  at.velocity_north_m_s = v_m_s * std::cos(psi_deg * kDegree_rad);
-  at.velocity_east_m_s = -v_m_s * std::sin(psi_deg * kDegree_rad);
-  at.velocity_up_m_s = up_m_s;
 }
 
 struct TrainChoice {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/apps/replay/received_train.h"
 #include "server/output/describe_frame.h"
 #include "server/output/frame_files.h"
 #include "terrain/base/errors.h"
@@ -122,14 +123,7 @@ void NewestPicture::write(const wire::FrameDescriptor& descriptor, const wire::F
 
 std::vector<PulseTrain> take_trains(client::AssembledFrame& frame) {
   std::vector<PulseTrain> trains;
-  for (client::AssembledTrain& train : frame.trains)
-    trains.push_back({{train.first_azimuth, train.n_azimuth},
-                      train.n_pulses,
-                      train.n_range,
-                      train.period_ns,
-                      train.boresight_start_deg,
-                      train.boresight_rate_deg_s,
-                      std::move(train.iq)});
+  for (client::AssembledTrain& train : frame.trains) trains.push_back(received_train(std::move(train)));
   return trains;
 }
 

@@ -6,6 +6,7 @@
 
 #include "proto/obliq.pb.h"
 #include "proto/plane_coding.h"
+#include "server/apps/replay/received_train.h"
 #include "server/apps/replay/recorded_time.h"
 #include "server/radar/receiver/video.h"
 #include "server/stream/frame_encoder.h"
@@ -121,14 +122,7 @@ void ReplayedFrame::give_trains(const client::RecordedWedge& recorded, const Ren
   for (const client::AssembledTrain& train : recorded_->frame.trains) {
     // With the first wedge of its azimuths, whichever way the antenna turns.
     const bool meets = train.first_azimuth < end && train.first_azimuth + train.n_azimuth > first;
-    if (meets && given_.insert(&train).second)
-      options.on_train({{train.first_azimuth, train.n_azimuth},
-                        train.n_pulses,
-                        train.n_range,
-                        train.period_ns,
-                        train.boresight_start_deg,
-                        train.boresight_rate_deg_s,
-                        train.iq});
+    if (meets && given_.insert(&train).second) options.on_train(received_train(train));
   }
 }
 

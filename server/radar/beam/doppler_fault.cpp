@@ -66,7 +66,7 @@ std::optional<FieldError> too_few_rows(const RadarSettings& s, const EchoLayout&
     if (has_train && pulses >= 2) allowed.push_back("at most " + std::to_string(pulses) + " pulses");
     const double prf_hz = std::ceil(s.pulse.prf_hz * cells / most_cells);
     // The next pulse of a train waits for the last gate (check_doppler).
-    const bool waits = s.mode != RadarMode::pulses || prf_hz * 2 * s.r_max_m <= kSpeedOfLight_m_s;
+    const bool waits = s.mode != RadarMode::pulses || s.r_max_m <= unambiguous_range_m(s, prf_hz);
     if (prf_hz <= kMostPrf_hz && waits) allowed.push_back(fmt::format("pulse.prf_hz = {:.6g}", prf_hz));
   }
   if (allowed.empty()) allowed.emplace_back("more azimuth bins and a higher pulse.prf_hz");

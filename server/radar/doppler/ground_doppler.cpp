@@ -58,6 +58,12 @@ double coherent_time_s(const RadarSettings& settings) {
   }
 }
 
+double unambiguous_range_m(const RadarSettings& settings, double prf_hz) {
+  const auto& ratios = settings.pulse.stagger;
+  const double shortest = ratios.empty() ? 1 : *std::ranges::min_element(ratios);
+  return kSpeedOfLight_m_s / 2 * shortest / prf_hz;
+}
+
 double aperture_s_a_m(const RadarSettings& settings, double across_m_s) {
   if (!(across_m_s > 0)) return 0;
   return wavelength_at(settings.frequency_ghz) / (2 * across_m_s * settings.doppler.resolution_m);

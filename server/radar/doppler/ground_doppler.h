@@ -45,6 +45,10 @@ class GroundDoppler {
 /// of synthetic aperture takes its own (DopplerPlan).
 double coherent_time_s(const RadarSettings& settings);
 
+/// Of pulses: the range whose echo comes back before the next pulse, after the shortest interval of a
+/// stagger.
+double unambiguous_range_m(const RadarSettings& settings, double prf_hz);
+
 /// Time over range of the train of a synthetic aperture, T = lambda r / (2 v sin psi resolution), s/m; 0
 /// where the antenna does not fly across it.
 double aperture_s_a_m(const RadarSettings& settings, double across_m_s);

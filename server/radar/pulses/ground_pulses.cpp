@@ -50,8 +50,11 @@ GroundPulses::GroundPulses(const FramePlan& plan, const PulseTimes& times, const
       range_im_(range_re_.size()) {
   place_rows();
   const double rows = narrowest_beam_rad(plan.settings()) / sum_.row_rad();
-  if (!sum_.doppler->windy().empty())
+  if (!sum_.doppler->windy().empty()) {
     speeds_ = kSpeedLaws * static_cast<int>(std::ceil(kMovingRows / (kSpeedLaws * rows)));
+    const RadarSettings& s = plan.settings();
+    moving_hz_ = 2 / WindSpectrum(s.atmosphere.wind_m_s, s.frequency_ghz).beta_s_m / sum_.wavelength_m;
+  }
   if (sum_.doppler->has_sea()) sea_speeds_ = static_cast<int>(std::ceil(kMovingRows / rows));
   levels_.resize(cosine_steps::kCount);
   gains_.resize(static_cast<std::size_t>(window_.n_taps) * cosine_steps::kCount);
@@ -115,8 +118,7 @@ void GroundPulses::add(const EchoRows::Ready& rows, const PulseTrip& trip, std::
     sum_rows(rows, first, trip, taken, parts);
   }
   if (!turns_a_s2_.empty()) turn_pulses(trip);
-  for (const int like : trip.pulses)
-    for (int pulse = like; pulse < times_.n(); pulse += times_.pattern()) sum_ranges(pulse, train);
+  for (const int pulse : times_.pulses_like(trip.pulses)) sum_ranges(pulse, train);
 }
 
 /// Echoes of a later trip that come back while the antenna transmits: by the range at which they show. Those
@@ -221,9 +223,6 @@ void GroundPulses::add_sea(int azimuth, const std::vector<float>& power, int num
 /// them.
 void GroundPulses::add_moving(int azimuth, std::vector<float> power, int number, std::uint64_t key,
                               const std::vector<double>& hz, Row& moving) const {
-  const RadarSettings& s = plan_.settings();
-  const double hz_of_one =
-      2 / WindSpectrum(s.atmosphere.wind_m_s, s.frequency_ghz).beta_s_m / sum_.wavelength_m;
   const std::uint64_t of_row = mix64(mix64(key ^ kSpeedDraw) + static_cast<std::uint64_t>(azimuth));
   const int exponentials = 1 + 2 * (number % kSpeedLaws);
   moving.hz = hz;
@@ -237,7 +236,7 @@ void GroundPulses::add_moving(int azimuth, std::vector<float> power, int number,
       x -= log_of_positive(uniform_of_hash(hash));
     }
     const bool opens = (mix64(hash) & 1) != 0;
-    moving.hz[m] += (opens ? -hz_of_one : hz_of_one) * x;
+    moving.hz[m] += (opens ? -moving_hz_ : moving_hz_) * x;
     const double x2 = x * x;
     power[m] *= static_cast<float>(kSpeedLaws / (1 + x2 / 2 + x2 * x2 / 24));
   }

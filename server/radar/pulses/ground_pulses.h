@@ -68,6 +68,7 @@ class GroundPulses {
   AzimuthRange azimuths_;
   int speeds_ = 0;                         // that a row's bins have of what moves in the wind
   int sea_speeds_ = 0;                     // and of the sea
+  double moving_hz_ = 0;                   // of a speed of 1 / beta (WindSpectrum)
   std::vector<double> turns_a_s2_;         // [stride] of the quadratic phase
   std::vector<int> first_of_like_;         // where the gains of pulses like k begin
   std::vector<double> levels_;             // by step: what makes the squares of its gains add up to 1

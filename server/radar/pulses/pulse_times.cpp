@@ -25,6 +25,13 @@ PulseTimes::PulseTimes(const RadarSettings& settings) {
   for (int pulse = 0; pulse < settings.doppler.pulses; ++pulse) at_s_.push_back(time_s(pulse) - middle_s);
 }
 
+std::vector<int> PulseTimes::pulses_like(const std::vector<int>& ks) const {
+  std::vector<int> pulses;
+  for (const int k : ks)
+    for (int pulse = k; pulse < n(); pulse += pattern()) pulses.push_back(pulse);
+  return pulses;
+}
+
 double range_of_delay_m(double delay_s) { return kSpeedOfLight_m_s * delay_s / 2; }
 
 std::vector<PulseTrip> pulse_trips(const PulseTimes& times, double r_min_m, double reach_m) {

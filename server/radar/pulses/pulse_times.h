@@ -20,6 +20,8 @@ class PulseTimes {
   double pattern_s() const { return pattern_s_; }
   /// Pulses k, k + pattern(), ... of the train.
   int n_like(int k) const { return (n() - k + pattern() - 1) / pattern(); }
+  /// Those of each k, one k after the other (PulseTrip::pulses).
+  std::vector<int> pulses_like(const std::vector<int>& ks) const;
 
  private:
   std::vector<double> intervals_s_;

@@ -98,9 +98,9 @@ class TargetPulses {
 void add_target_pulses(const FramePlan& plan, const TargetEchoes& targets, const PulseTimes& times,
                        const Boresight& boresight, const PulseTrip& trip, PulseTrain& train) {
   const TargetPulses pulses(plan, targets, times, boresight, trip, train);
+  const std::vector<int> of_trip = times.pulses_like(trip.pulses);
   for (const TargetEcho& echo : targets.echoes())
-    for (const int like : trip.pulses)
-      for (int pulse = like; pulse < times.n(); pulse += times.pattern()) pulses.add(echo, pulse);
+    for (const int pulse : of_trip) pulses.add(echo, pulse);
 }
 
 }  // namespace obliq

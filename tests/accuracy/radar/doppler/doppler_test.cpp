@@ -17,8 +17,6 @@
 namespace obliq::test {
 namespace {
 
-double db(double ratio) { return 10 * std::log10(ratio); }
-
 /// X band, 3 degrees, 40 degrees of sector, level ground around 6 km.
 RadarSettings radar(RadarMode mode) {
   RadarSettings s = radar_settings(FrustumKind::sweep, {5000, 7000, 40}, {400, 64}, {400, 1});
@@ -37,13 +35,7 @@ class OverLevelGround : public testing::Test {
  protected:
   OverLevelGround() { scene_.pose().settings.bearing_deg = 0; }
 
-  /// v at psi degrees left of the sector's middle, which looks north.
-  void fly(double v_m_s, double psi_deg, double up_m_s = 0) {
-    PoseSettings& at = scene_.pose().settings;
-    at.velocity_north_m_s = v_m_s * std::cos(psi_deg * kDegree_rad);
-    at.velocity_east_m_s = -v_m_s * std::sin(psi_deg * kDegree_rad);
-    at.velocity_up_m_s = up_m_s;
-  }
+  void fly(double v_m_s, double psi_deg, double up_m_s = 0) { test::fly(scene_, v_m_s, psi_deg, up_m_s); }
   /// Mean power of the middle azimuth over those of the map.
   double over_map(const RadarSettings& s, int azimuth = 200) const {
     RadarSettings map = s;

@@ -15,8 +15,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kLightSpeed_m_s = 299792458.0;
 
-double db(double ratio) { return 10 * std::log10(ratio); }
-
 /// X band, 3 degrees, 0.25 us, without a pattern in elevation; bins far finer than the pulse.
 RadarSettings radar_around(double range_m) {
   RadarSettings s =
