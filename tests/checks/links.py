@@ -5,6 +5,7 @@ and a name in quotes, that document has a part of this name.
   links.py [FOLDER]      exit code 1 and a line for each link that leads nowhere
   links.py --self-test   planted links are found
 """
+import os
 import pathlib
 import re
 import sys
@@ -20,9 +21,11 @@ LEFT_OUT = {"build", "out", ".git", "node_modules"}
 
 
 def files(folder, suffixes):
-    for path in sorted(folder.rglob("*")):
-        if path.suffix in suffixes and path.is_file() and not LEFT_OUT & set(path.relative_to(folder).parts):
-            yield path
+    for here, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if name not in LEFT_OUT)
+        for name in sorted(names):
+            if pathlib.PurePath(name).suffix in suffixes:
+                yield pathlib.Path(here) / name
 
 
 def anchors(text):

@@ -8,6 +8,7 @@ Read are comments of C++, C#, JavaScript, proto, Python (docstrings too), shell,
 A phrase may run over a line's end.
 """
 import io
+import os
 import pathlib
 import re
 import sys
@@ -117,32 +118,40 @@ def prose_of(name, text):
     return None
 
 
-PATTERNS = [(re.compile(r"\b(?:" + phrase.replace(" ", r"\s+") + r")\b", re.I), plain) for phrase, plain in WORDS.items()]
+PATTERNS = [(re.compile(r"\b(?:" + phrase.replace(" ", r"\s+") + r")\b"), plain) for phrase, plain in WORDS.items()]
+ANY = re.compile("|".join(pattern.pattern for pattern, _ in PATTERNS))
 
 
 def faults_of(name, text):
     prose = prose_of(name, text)
     if prose is None:
         return []
+    prose = prose.lower()
+    if ANY.search(prose) is None:
+        return []
     found = []
     for pattern, plain in PATTERNS:
         for match in pattern.finditer(prose):
-            words = re.sub(r"\s+", " ", match.group(0)).lower()
+            words = re.sub(r"\s+", " ", match.group(0))
             if (name, words) not in EXCEPTIONS and (name, "*") not in EXCEPTIONS:
                 found.append((prose.count("\n", 0, match.start()) + 1, words, plain))
     return [f'{name}:{line}: found "{words}"; allowed: {plain}' for line, words, plain in sorted(found)]
 
 
+def names_in(folder):
+    for here, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if name not in LEFT_OUT]
+        for name in files:
+            if name not in GENERATED:
+                yield os.path.relpath(os.path.join(here, name), folder)
+
+
 def faults_in(folder):
     found, read = [], 0
-    for path in sorted(folder.rglob("*")):
-        name = path.relative_to(folder)
-        if LEFT_OUT & set(name.parts) or path.name in GENERATED or not path.is_file():
-            continue
-        if prose_of(str(name), "") is None:
-            continue
-        read += 1
-        found += faults_of(str(name), path.read_text(encoding="utf-8"))
+    for name in sorted(names_in(folder)):
+        if prose_of(name, "") is not None:
+            read += 1
+            found += faults_of(name, (folder / name).read_text(encoding="utf-8"))
     return found, read
 
 
