@@ -47,10 +47,6 @@ class BasePeople(unittest.TestCase):
         self.page.open(self.daemon.url, fragment)
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
 
-    def press(self, key):
-        self.page.script("""document.activeElement?.blur?.();
-            document.body.dispatchEvent(new KeyboardEvent('keydown', { key: arguments[0], bubbles: true, cancelable: true }))""", key)
-
 
 class Layout(BasePeople):
     def test_sizes_without_scroll_bars(self):
@@ -110,6 +106,10 @@ class Layout(BasePeople):
         self.press("?")
         self.page.await_script("document.getElementById('help').open", "the list of keys")
 
+    def press(self, key):
+        self.page.script("""document.activeElement?.blur?.();
+            document.body.dispatchEvent(new KeyboardEvent('keydown', { key: arguments[0], bubbles: true, cancelable: true }))""", key)
+
     def test_settings_stay_in_the_fragment_and_come_back(self):
         self.show("a=main")
         for key in ("c", "n", "u"):
@@ -154,6 +154,8 @@ class Layout(BasePeople):
 
 
 class Pictures(BasePeople):
+    press = Layout.press
+
     def test_the_console_is_silent_and_nothing_comes_from_elsewhere(self):
         """Of a server that is ready: one that is away or loads refuses requests, which the browser itself notes (connection_test)."""
         self.show("a=main&panes=2&b=frustum%20oblique&overlay=1")
