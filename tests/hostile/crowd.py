@@ -1,5 +1,5 @@
 """A crowd of clients that do not behave, for tests/soak.sh and for attacks. Each function is one visit; all keep few connections
-open, so that the limit of clients per address leaves room for clients that behave. Standard library only."""
+open, so that the limit of clients per address leaves room for honest clients. Standard library only."""
 import os
 import random
 import signal

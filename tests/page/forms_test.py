@@ -114,7 +114,7 @@ class Forms(unittest.TestCase):
                 self.page.await_script(f"{rings}.unit === '{unit}' && {rings}.last * {rings}.step > 0.75 * {reach} && {rings}.last * {rings}.step < 1.001 * {reach}",
                                        "rings of the scale")
                 self.assertIn(self.page.script(f"return {rings}.last - {rings}.first + 1"), (4, 5, 6))
-                self.assertEqual(self.page.script("return document.getElementById(arguments[0]).ariaPressed", button), "true")
+                self.page.await_script(f"document.getElementById('{button}').ariaPressed === 'true'", "its button pressed")
 
     def test_every_range_has_four_to_six_rings(self):
         few = self.page.driver.execute_async_script("""const done = arguments[1];

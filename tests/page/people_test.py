@@ -60,10 +60,6 @@ class BasePeople(unittest.TestCase):
                 return over
             time.sleep(0.05)
 
-    def press(self, key):
-        self.page.script("""document.activeElement?.blur?.();
-            document.body.dispatchEvent(new KeyboardEvent('keydown', { key: arguments[0], bubbles: true, cancelable: true }))""", key)
-
 
 class Layout(BasePeople):
     def test_sizes_without_scroll_bars(self):
@@ -121,6 +117,10 @@ class Layout(BasePeople):
         self.press("?")
         self.page.await_script("document.getElementById('help').open", "the list of keys")
 
+    def press(self, key):
+        self.page.script("""document.activeElement?.blur?.();
+            document.body.dispatchEvent(new KeyboardEvent('keydown', { key: arguments[0], bubbles: true, cancelable: true }))""", key)
+
     def test_settings_stay_in_the_fragment_and_come_back(self):
         self.show("a=main")
         for key in ("c", "n", "u"):
@@ -165,6 +165,8 @@ class Layout(BasePeople):
 
 
 class Pictures(BasePeople):
+    press = Layout.press
+
     def test_the_console_is_silent_and_nothing_comes_from_elsewhere(self):
         """Of a server that is ready: one that is away or loads refuses requests, which the browser itself notes (connection_test)."""
         self.show("a=main&panes=2&b=frustum%20oblique&overlay=1")

@@ -117,26 +117,6 @@ class Moving(BaseTrails):
         self.assertNotIn("trails", self.page.script("return location.hash"))
 
 
-class Following(BaseTrails):
-    def test_trails_follow_zoom_and_b_scope_and_survive_a_range_scale(self):
-        self.show(MOVES, "glow=0&trails=6")
-        self.page.await_script("performance.now() > 9000", "a trail", 30)
-        for change in ("obliq.pictures.zoom(3, 500, 200)", "obliq.pictures.zoom(0)", "obliq.display.set({ up: 'bearing' })", "obliq.display.set({ bscope: true })",
-                       "obliq.display.set({ bscope: false })"):
-            with self.subTest(change=change):
-                self.page.script(change)
-                self.page.await_frame(4)
-                self.assertTrue(self.page.script("const { trails, ppi } = obliq.panes[0]; return trails.drawn === ppi.view && trails.canvas.width === ppi.view.width"))
-        before = len(self.page.script(CELLS))
-        self.page.driver.execute_async_script("const done = arguments[0]; obliq.link.ask('ClaimControl', { radar: 'round', kinds: ['SETTINGS_CLAIM'] })"
-                                              ".then(() => obliq.controls.scale(18520)).then(done)")
-        self.page.await_script("Math.abs(obliq.panes[0].bins.placement.rMax_m - 18520) < 1", "another range scale")
-        self.page.await_frame(8)
-        after = np.array(self.page.script(CELLS))
-        print(f"  cells with a trail before and after another range scale: {before}, {len(after)}")
-        self.assertGreater(len(after), 0.4 * before * (15000 / 18520) ** 2)
-
-
 class Flight(BaseTrails):
     def fly(self):
         """A kilometre to the north in steps; how many cells have a trail then."""
@@ -164,6 +144,26 @@ class Flight(BaseTrails):
         print(f"  cells with a trail behind a rock, seen from an antenna that goes a kilometre: {cells}")
         self.assertGreater(cells["relative"], 200)
         self.assertLess(cells["true"], 0.35 * cells["relative"])
+
+
+class Following(BaseTrails):
+    def test_trails_follow_zoom_and_b_scope_and_survive_a_range_scale(self):
+        self.show(MOVES, "glow=0&trails=6")
+        self.page.await_script("performance.now() > 9000", "a trail", 30)
+        for change in ("obliq.pictures.zoom(3, 500, 200)", "obliq.pictures.zoom(0)", "obliq.display.set({ up: 'bearing' })", "obliq.display.set({ bscope: true })",
+                       "obliq.display.set({ bscope: false })"):
+            with self.subTest(change=change):
+                self.page.script(change)
+                self.page.await_frame(4)
+                self.assertTrue(self.page.script("const { trails, ppi } = obliq.panes[0]; return trails.drawn === ppi.view && trails.canvas.width === ppi.view.width"))
+        before = len(self.page.script(CELLS))
+        self.page.driver.execute_async_script("const done = arguments[0]; obliq.link.ask('ClaimControl', { radar: 'round', kinds: ['SETTINGS_CLAIM'] })"
+                                              ".then(() => obliq.controls.scale(18520)).then(done)")
+        self.page.await_script("Math.abs(obliq.panes[0].bins.placement.rMax_m - 18520) < 1", "another range scale")
+        self.page.await_frame(8)
+        after = np.array(self.page.script(CELLS))
+        print(f"  cells with a trail before and after another range scale: {before}, {len(after)}")
+        self.assertGreater(len(after), 0.4 * before * (15000 / 18520) ** 2)
 
 
 if __name__ == "__main__":

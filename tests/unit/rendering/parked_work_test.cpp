@@ -266,8 +266,10 @@ TEST(PausesOfABeam, LeaveItsBitsAsTheyAre) {
   settings.beam.pattern = BeamPattern::gaussian;
   settings.beam.width_deg = 6;
   settings.pulse.kind = PulseKind::compressed;
-  for (const SpeckleKind speckle : {SpeckleKind::ground, SpeckleKind::independent}) {
+  for (const SpeckleKind speckle :
+       {SpeckleKind::ground, SpeckleKind::independent, SpeckleKind::none, SpeckleKind::geometric}) {
     settings.speckle = speckle;
+    settings.frustum = speckle == SpeckleKind::geometric ? FrustumKind::oblique : FrustumKind::sweep;
     const Rendered whole = render_with(settings, 1);
     for (const int threads : {1, 3}) {
       Rendered parts;

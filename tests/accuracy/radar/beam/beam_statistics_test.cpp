@@ -11,7 +11,6 @@
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/frame_plan.h"
 #include "server/radar/simd/kernels.h"
-#include "server/rendering/parked_work.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
@@ -291,7 +290,7 @@ void expect_part(const Frame& whole, const RadarSettings& s, const Pose& pose, A
 
 class SameBitsBehindABeam : public testing::TestWithParam<SpeckleKind> {};
 
-TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
+TEST_P(SameBitsBehindABeam, ForAnyThreadsAndParts) {
   RadarSettings s = blurred(GetParam() == SpeckleKind::geometric ? FrustumKind::oblique : FrustumKind::sweep);
   s.speckle = GetParam();
   s.azimuth_bins = 100;  // the last wedge is half one
@@ -312,17 +311,6 @@ TEST_P(SameBitsBehindABeam, ForAnyThreadsPartsAndPauses) {
   expect_part(one, s, pose, {0, 8}, options);
   expect_part(one, s, pose, {48, 16}, options);
   expect_part(one, s, pose, {96, 4}, options);
-  const auto plan = plan_frame(scene, test::snapshot(s), pose).plan;
-  ASSERT_TRUE(plan);
-  BinBlock paused(0, s.azimuth_bins, s.range_bins);
-  options.threads = 2;
-  options.on_wedge = [&](Wedge&& wedge) { copy_azimuths(wedge.bins, paused); };
-  const auto render = [&] { EXPECT_TRUE(render_wedges(*plan, {0, s.azimuth_bins}, options)); };
-  rendering::ParkedWork work(render, {}, 10'000);
-  int turns = 1;
-  while (!work.turn([](std::int64_t) { return true; })) ++turns;
-  EXPECT_GT(turns, 10);
-  EXPECT_TRUE(test::same_bits(one.bins.iq, paused.iq));
 }
 
 TEST(BeamLookingDown, WhereOuterSharpWedgesSeeTheNearGroundAlone) {
