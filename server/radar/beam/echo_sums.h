@@ -78,7 +78,7 @@ class EchoSums {
   std::vector<std::complex<float>> phase_;        // [n_range] with speckle "none"
   std::vector<double> range2_m2_;                 // [n_range] of range normalisation; else empty
   std::optional<DopplerRows> doppler_;            // of modes other than map
-  const Rows* sea_rows_ = nullptr;                // of powers that are the sea's, in the sums current
+  const Rows* sea_rows_ = nullptr;                // of powers that are the sea's, in the current sums
 };
 
 }  // namespace obliq
