@@ -15,6 +15,9 @@ namespace obliq::security {
 class Security;
 }
 
+namespace obliq::security {
+}
+
 namespace obliq::security {}
 
 namespace obliq::net {

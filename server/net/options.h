@@ -18,6 +18,9 @@ namespace obliq::security {
 class Security;
 }
 
+namespace obliq::security {
+}
+
 namespace obliq::security {}
 
 namespace obliq::net {

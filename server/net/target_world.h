@@ -18,6 +18,9 @@ namespace obliq::rendering {
 class RenderThread;
 }
 
+namespace obliq::rendering {
+}
+
 namespace obliq::rendering {}
 
 namespace obliq::wire {

@@ -12,6 +12,9 @@ namespace obliq::stream {
 struct Block;
 }
 
+namespace obliq::stream {
+}
+
 namespace obliq::stream {}
 
 namespace obliq::net {

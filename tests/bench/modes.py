@@ -24,7 +24,7 @@ RUNS = {
     "dbs of 64 ms": BEAM + FLYING + ["radar.mode=dbs", "doppler.pulses=64"],
     "map, scanning": BEAM + FLYING + SCANNING,
     "mti, scanning": BEAM + SCANNING + ["radar.mode=mti"],
-    "mti, scanning, wind": BEAM + SCANNING + ["radar.mode=mti", "atmosphere.wind_m_s=5"],
+    "mti, scanning, wind": BEAM + SCANNING + ["radar.mode=mti", "atmosphere.wind_m_s=5", "materials.terrain.wind=true"],
     "mti, scanning, flying": BEAM + FLYING + SCANNING + ["radar.mode=mti"],
     "mti, scanning, flying, lock": BEAM + FLYING + SCANNING + ["radar.mode=mti", "doppler.clutter_lock=true"],
     "map, patch": PATCH,

@@ -31,7 +31,9 @@ OBLIQ_INLINE void cancelled_sum_of(const CancelledSum& sum) {
   for (int x = rows.first; x < rows.first + rows.n; x += kFloatLanes) {
     Totals totals;
     for (int k = 0; k < rows.n_rows; ++k) {
-      const RowLanes row(rows, sum.moving, k, x);
+      const RowLanes row(rows, k, x);
+      MovingShare share;
+      if (sum.moving != nullptr) share = {load_row(sum.moving, k, x), row.power};
       const f32x16 row_sin = load_row(sum.sin, k, x);
       const f32x16 row_cos = load_row(sum.cos, k, x);
       const HalfTurns of_row(row_sin, row_cos, delays);
@@ -46,13 +48,12 @@ OBLIQ_INLINE void cancelled_sum_of(const CancelledSum& sum) {
                    delays};
         }
         ComplexLanes weight = cancelled<delays>(turns, sum.taps + std::ptrdiff_t{4} * at);
-        f32x16 left = row.power * power_of(weight);
+        f32x16 left = power_of(weight);
         if constexpr (moves) {
-          left = (row.power - row.moving) * power_of(weight) +
-                 row.moving * (sum.power_taps[at] * residue_of(sum.echoes, turns.sin));
-          weight = weight_to(weight, row.power, left);
+          left = share.left(left, sum.power_taps[at] * residue_of(sum.echoes, turns.sin));
+          weight = with_square(weight, left);
         }
-        totals.power[o] += left;
+        totals.power[o] += row.power * left;
         const ComplexLanes more = times(row.iq, weight);
         totals.iq[o].re += more.re;
         totals.iq[o].im += more.im;
@@ -84,7 +85,9 @@ void locked_sum(const LockedSum& sum) {
       output_cos[o] = load_floats(sum.output_cos[o] + x);
     }
     for (int k = 0; k < rows.n_rows; ++k) {
-      const RowLanes row(rows, sum.moving, k, x);
+      const RowLanes row(rows, k, x);
+      MovingShare share;
+      if (sum.moving != nullptr) share = {load_row(sum.moving, k, x), row.power};
       const f32x16 row_sin = load_row(sum.sin, k, x);
       const f32x16 row_cos = load_row(sum.cos, k, x);
       std::int32_t at = rows.taps_at[k] - rows.skipped;
@@ -92,13 +95,12 @@ void locked_sum(const LockedSum& sum) {
       for (int o = 0; o < kOutputs; ++o, at -= rows.step) {
         const f32x16 s = row_sin * output_cos[o] - row_cos * output_sin[o];
         f32x16 weight = still_weight(s, sum.delays) * (sum.taps[at] * sum.over_noise_root);
-        f32x16 left = row.power * (weight * weight);
+        f32x16 left = weight * weight;
         if (sum.moving != nullptr) {
-          left = (row.power - row.moving) * (weight * weight) +
-                 row.moving * (sum.power_taps[at] * residue_of(sum.echoes, s));
-          weight = weight_to(weight, row.power, left);
+          left = share.left(left, sum.power_taps[at] * residue_of(sum.echoes, s));
+          weight = with_square(weight, left);
         }
-        add(totals, o, row, weight, left);
+        add(totals, o, row, weight, row.power * left);
       }
     }
     totals.store_at(rows, x);

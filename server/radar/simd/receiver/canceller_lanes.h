@@ -38,23 +38,34 @@ OBLIQ_INLINE f32x16 residue_of(const MovingEchoes& echoes, f32x16 sine) {
   return max(f32x16{}, echoes.still - 2.0F * (s2 * fall));
 }
 
-/// What a weight of square `square` is multiplied by, so that a power becomes another; 0 of no power.
-OBLIQ_INLINE f32x16 scale_to(f32x16 square, f32x16 from, f32x16 to) {
-  const auto has_power = from > 0.0F;
-  const f32x16 wanted = select(has_power, to / select(has_power, from, all_lanes(1.0F)), f32x16{});
-  return sqrt(wanted / select(square > 0.0F, square, all_lanes(1.0F)));
+/// Of echoes' power, which share moves, and which stands still.
+struct MovingShare {
+  f32x16 moving{}, still{};
+
+  MovingShare() = default;
+  OBLIQ_INLINE MovingShare(f32x16 moving_power, f32x16 power) {
+    const auto has_power = power > 0.0F;
+    const f32x16 share = moving_power / select(has_power, power, all_lanes(1.0F));
+    moving = select(has_power, min(share, all_lanes(1.0F)), f32x16{});
+    still = 1.0F - moving;
+  }
+  /// What is left of a power of 1 behind a weight of that square for what stands still.
+  OBLIQ_INLINE f32x16 left(f32x16 square, f32x16 residue) const { return still * square + moving * residue; }
+};
+
+/// What no weight of echoes is as small as, so that even one of 0 has a phase, and its square.
+constexpr float kLeastWeight = 1e-15F;
+constexpr float kLeastSquare = 1e-30F;
+
+/// A weight of the same sign or phase whose square is that.
+OBLIQ_INLINE f32x16 with_square(f32x16 weight, f32x16 square) {
+  weight = weight + kLeastWeight;
+  return weight * sqrt(square / max(weight * weight, all_lanes(kLeastSquare)));
 }
-/// A weight of the same sign or phase, by which a power becomes another.
-OBLIQ_INLINE f32x16 weight_to(f32x16 weight, f32x16 from, f32x16 to) {
-  const f32x16 square = weight * weight;
-  return select(square > 0.0F, weight, all_lanes(1.0F)) * scale_to(square, from, to);
-}
-OBLIQ_INLINE ComplexLanes weight_to(ComplexLanes weight, f32x16 from, f32x16 to) {
-  const f32x16 square = power_of(weight);
-  const f32x16 scale = scale_to(square, from, to);
-  const auto has_phase = square > 0.0F;
-  return {select(has_phase, weight.re, all_lanes(1.0F)) * scale,
-          select(has_phase, weight.im, f32x16{}) * scale};
+OBLIQ_INLINE ComplexLanes with_square(ComplexLanes weight, f32x16 square) {
+  weight.re = weight.re + kLeastWeight;
+  const f32x16 scale = sqrt(square / max(power_of(weight), all_lanes(kLeastSquare)));
+  return {weight.re * scale, weight.im * scale};
 }
 
 }  // namespace obliq::OBLIQ_ISA

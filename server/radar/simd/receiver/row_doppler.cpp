@@ -54,13 +54,12 @@ void cancel_row(const CancelledRow& row) {
     const f32x16 s = load_floats(row.sin + k);
     const f32x16 power = load_floats(row.power + k);
     f32x16 weight = still_weight(s, row.delays) * row.over_noise_root;
-    f32x16 left = power * (weight * weight);
+    f32x16 left = weight * weight;
     if (row.moving != nullptr) {
-      const f32x16 moving = load_floats(row.moving + k);
-      left = (power - moving) * (weight * weight) + moving * residue_of(row.echoes, s);
-      weight = weight_to(weight, power, left);
+      left = MovingShare(load_floats(row.moving + k), power).left(left, residue_of(row.echoes, s));
+      weight = with_square(weight, left);
     }
-    store(row.out_power + k, left);
+    store(row.out_power + k, power * left);
     if (row.iq == nullptr) continue;
     const ComplexLanes iq = load_iq(row.iq + 2 * k);
     store_iq(row.out_iq + 2 * k, {iq.re * weight, iq.im * weight});

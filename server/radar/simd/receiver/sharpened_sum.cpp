@@ -131,7 +131,7 @@ void sharpened_sum(const SharpenedSum& sum) {
       }
       for (int k = begin; k < end; ++k) {
         if (sum.spans[k][tile].reach < 0) continue;
-        const RowLanes row(rows, nullptr, k, x);
+        const RowLanes row(rows, k, x);
         const float* const taps = sum.taps + (rows.taps_at[k] - rows.skipped);
         const auto add_all = [&](const auto& response) __attribute__((always_inline)) {
 #pragma GCC unroll 8

@@ -51,12 +51,10 @@ OBLIQ_INLINE f32x16 load_row(const float* const* rows, int row, int x) {
 }
 
 struct RowLanes {
-  f32x16 power, moving;
+  f32x16 power;
   ComplexLanes iq;
 
-  OBLIQ_INLINE RowLanes(const WeighedRows& rows, const float* const* moves, int row, int x)
-      : power(load_row(rows.power, row, x)), moving{}, iq{} {
-    if (moves != nullptr) moving = load_row(moves, row, x);
+  OBLIQ_INLINE RowLanes(const WeighedRows& rows, int row, int x) : power(load_row(rows.power, row, x)), iq{} {
     if (rows.re != nullptr) iq = {load_row(rows.re, row, x), load_row(rows.im, row, x)};
   }
 };
