@@ -308,7 +308,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
     const std::int64_t kRowFloats = sea_state(s) > 0 ? 18 : 8;
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
-                       (kRowFloats * kFloat * layout.stride() + 200);
+                       (kRowFloats * kFloat * layout.stride() + 450);
     size.plan_bytes += 4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
                        grown_bytes(layout.stride(), sizeof(double)) + grown_bytes(layout.stride(), kFloat) +
                        grown_bytes(DopplerResponse::n_steps(cells), kFloat) +
