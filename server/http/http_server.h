@@ -15,11 +15,6 @@ namespace obliq::security {
 class Security;
 }
 
-namespace obliq::security {
-}
-
-namespace obliq::security {}
-
 namespace obliq::net {
 class SocketTransport;
 }  // namespace obliq::net

@@ -18,11 +18,6 @@ namespace obliq::security {
 class Security;
 }
 
-namespace obliq::security {
-}
-
-namespace obliq::security {}
-
 namespace obliq::net {
 
 /// Of a subscription: a frame in a quarter of an hour. Much lower rates would overflow the clock.

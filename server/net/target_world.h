@@ -18,11 +18,6 @@ namespace obliq::rendering {
 class RenderThread;
 }
 
-namespace obliq::rendering {
-}
-
-namespace obliq::rendering {}
-
 namespace obliq::wire {
 class ExerciseState;
 class RenderOnce;

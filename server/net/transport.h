@@ -12,11 +12,6 @@ namespace obliq::stream {
 struct Block;
 }
 
-namespace obliq::stream {
-}
-
-namespace obliq::stream {}
-
 namespace obliq::net {
 
 /// On the io thread. One reader and one writer at a time; `done` is called later, and until then the

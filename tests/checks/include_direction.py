@@ -18,7 +18,7 @@ WORDS = ["server/radar/bins", "server/radar/pulse_train", "server/radar/settings
 R = "server/radar/"
 BELOW_LANES = BASE + ["terrain/height_grid", R + "samples"] + ["server/scene/" + f for f in
     ("tracer_isa", "ground_triangle", "tolerances")]
-TO_LANES = BELOW_LANES + [R + "simd/lanes/lanes"]
+TO_LANES = BELOW_LANES + [R + "simd/lanes"]
 TO_PROFILE = ["terrain", "server/scene", R + "simd", R + "profile"]
 TO_GEOMETRY = TO_PROFILE + WORDS + [R + "geometry"]
 TO_PLAN = TO_GEOMETRY + [R + "beam", R + "doppler", R + "sea_state", R + "taper", R + "narrow_bins", R + "scene_plan", R + "frame_plan"]
@@ -39,7 +39,7 @@ ALLOWED = {
     "server/security": BASE,
     "server/scene": ["terrain"],
     "server/radar/simd": BELOW_LANES,
-    "server/radar/simd/lanes/lanes": ["terrain/base", "server/scene/tracer_isa"],
+    "server/radar/simd/lanes": ["terrain/base", "server/scene/tracer_isa"],
     "server/radar/simd/echoes": TO_LANES,
     "server/radar/simd/ground": TO_LANES + [R + "simd/echoes"],
     "server/radar/simd/buildings": TO_LANES + [R + "simd/echoes", R + "simd/ground"],

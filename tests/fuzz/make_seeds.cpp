@@ -361,6 +361,11 @@ void write_configurations() {
              "[terrain]\nsynthetic = \"flatt\"\n[radar]\nr_max_m = 1e400\nr_min = nan\n");
   write_seed("configuration", "quality",
              "terrain.synthetic = 'hills'\nfrustum.quality = 'draft'\n[accuracy]\nmedian_db = 0.1\n");
+  write_seed("configuration", "sea",
+             "terrain.synthetic = 'flat'\nradar.mode = 'mti'\nbeam.pattern = 'gaussian'\nsea.state = 'auto'\n"
+             "sea.shape = 0.3\natmosphere.wind_m_s = 8\n[materials.terrain]\nmodel = 'sea'\n[[surfaces]]\n"
+             "source = 'fields.geojson'\nmaterial = 'water'\n[[surfaces]]\ngamma_raster = 'gamma.tif'\n"
+             "gamma_raster_is = 'offset'\n");
 }
 
 }  // namespace

@@ -309,7 +309,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
     constexpr std::int64_t kSpanBytes = sizeof(CellSpan);
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
-                       (kRowFloats * kFloat * layout.stride() + 400 + kSpanBytes * size.n_tiles);
+                       (kRowFloats * kFloat * layout.stride() + 650 + kSpanBytes * size.n_tiles);
     size.plan_bytes += 4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
                        grown_bytes(layout.stride(), sizeof(double)) +
                        2 * grown_bytes(layout.stride(), kFloat) + grown_bytes(size.n_tiles, kSpanBytes) +

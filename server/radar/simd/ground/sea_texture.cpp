@@ -43,8 +43,8 @@ OBLIQ_INLINE Along along(f32x16 at, std::int32_t node) {
   const f32x16 q = beside * beside - 0.125F, q2 = q * q;
   to.over_deviation =
       (1.15470054F - 1.53629405F * q) + q2 * ((3.07109584F - 7.66906297F * q) + 17.9908893F * q2);
-  const f32x16 mixed = (to.low * to.high) * (to.over_deviation * to.over_deviation);
-  to.kurtosis = 1.0F - 2.0F * (mixed * mixed);
+  const f32x16 cross = (to.low * to.high) * (to.over_deviation * to.over_deviation);
+  to.kurtosis = 1.0F - 2.0F * (cross * cross);
   return to;
 }
 
@@ -73,7 +73,8 @@ OBLIQ_INLINE f32x16 points(f32x16 length_m, float nodes_per_m) {
 OBLIQ_INLINE f32x16 mean_tau(const SeaTexture& texture, f32x16 distance, f32x16 sine, f32x16 cosine,
                              f32x16 length, f32x16 width) {
   const f32x16 n_along = points(length, texture.nodes_per_m), n_across = points(width, texture.nodes_per_m);
-  const f32x16 step = length / n_along, step_across = width / n_across;
+  const f32x16 share = 1.0F / (n_along * n_across);
+  const f32x16 step = length * (n_across * share), step_across = width * (n_along * share);
   const float most_along = greatest_of(n_along), most_across = greatest_of(n_across);
   f32x16 sum{};
   for (float i = 0; i < most_along; ++i) {
@@ -86,7 +87,7 @@ OBLIQ_INLINE f32x16 mean_tau(const SeaTexture& texture, f32x16 distance, f32x16 
       sum += select(used, tau_at(texture, on * sine + aside * cosine, on * cosine - aside * sine), f32x16{});
     }
   }
-  return sum / (n_along * n_across);
+  return sum * share;
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <vector>
 
+#include "server/radar/simd/kernels.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/train_scenes.h"
 
@@ -144,6 +145,52 @@ TEST_F(SeaMotionTest, StandsStillWithoutAState) {
   EXPECT_NEAR(found_db(s), improvement_db(s.doppler.canceller, 0, 1000), 0.05);
 }
 
+TEST_F(SeaMotionTest, LeavesTheLandBesideItStill) {
+  // Sea to the left of the sector's middle, land to the right, of either number.
+  for (const bool sea_first : {true, false}) {
+    std::vector<Material> materials = two_materials();
+    const std::size_t sea = sea_first ? 0 : 1;
+    for (Material& material : materials) material.model = ScatteringModel::constant_gamma;
+    materials[sea].model = ScatteringModel::sea;
+    materials[sea].gamma = 1e-4;
+    materials[1 - sea].gamma = 0.1;
+    World world = level_world();
+    const int nx = world.grid.nx - 1, nz = world.grid.nz - 1;
+    for (int j = 0; j < nz; ++j)
+      for (int i = 0; i < nx; ++i)
+        world.surface_material.push_back(static_cast<std::uint8_t>((i < nx / 2) == sea_first ? 0 : 1));
+    TargetScene coast(std::move(world), kAntenna_m, materials);
+    coast.pose().settings.bearing_deg = 0;
+    for (const bool turns : {false, true}) {
+      RadarSettings s = settings_;
+      if (turns) s.scan_mode = ScanMode::sector;
+      if (turns) s.scan_rate_deg_s = 0.01;
+      RadarSettings map = s;
+      map.mode = RadarMode::map;
+      RenderOptions options;
+      options.labels = true;
+      const auto render_of = [&](const RadarSettings& of) {
+        return render(coast.shared(), snapshot(of), coast.pose(), {0, of.azimuth_bins}, options).bins;
+      };
+      const BinBlock before = render_of(map), after = render_of(s);
+      const auto sum_at = [&](const BinBlock& bins, int azimuth) {
+        double sum = 0;
+        for (int m = 0; m < bins.n_range; ++m)
+          sum += bins.power_w[static_cast<std::size_t>(azimuth * bins.n_range + m)];
+        return sum;
+      };
+      // 12 degrees beside the shore.
+      const double closing = kDownwind_m_s * std::cos(12 * kPi / 180) * cos_e_;
+      EXPECT_NEAR(db(sum_at(before, 40) / sum_at(after, 40)), improvement_db(2, closing, 1000), 0.05);
+      EXPECT_LT(sum_at(after, 160), 1e-7 * sum_at(before, 160));
+      // What is left in the beam that has both is the sea.
+      const auto shore = static_cast<std::size_t>(104 * after.n_range + 30);
+      EXPECT_EQ(after.labels.material[shore], sea) << turns;
+      EXPECT_EQ(before.labels.material[static_cast<std::size_t>(104 * after.n_range + 30)], 1 - sea);
+    }
+  }
+}
+
 TEST_F(SeaMotionTest, HasTheSameBitsOnAnyNumberOfThreadsAndInAnyParts) {
   fly_north(30);
   for (const bool lock : {false, true}) {
@@ -158,6 +205,29 @@ TEST_F(SeaMotionTest, HasTheSameBitsOnAnyNumberOfThreadsAndInAnyParts) {
     EXPECT_TRUE(same_bits(one.bins.power_w, again.power_w));
     EXPECT_TRUE(same_bits(one.bins.iq, again.iq));
   }
+}
+
+// Over hills of water lanes side by side see quite different grazing angles: tables are read in both ways.
+TEST_F(SeaMotionTest, HasTheSameBitsWithAnyInstructionSet) {
+  const World hills = made_world(
+      9000, 70, [](double x, double z) { return 60 + 50 * std::sin(x / 400) * std::cos(z / 300); });
+  for (const bool is_rough : {false, true})
+    for (const RadarMode mode : {RadarMode::map, RadarMode::mti}) {
+      TargetScene scene = is_rough ? TargetScene(World(hills), 150, sea_materials())
+                                   : TargetScene(level_world(), kAntenna_m, sea_materials());
+      RadarSettings s = settings_;
+      s.mode = mode;
+      s.r_min_m = is_rough ? 200 : 5000;
+      s.sea.shape = 1;
+      const Frame first = scene.bare(s);
+      for (const Kernels& kernels : all_kernels()) {
+        use_kernels(kernels);
+        const Frame again = scene.bare(s);
+        EXPECT_TRUE(same_bits(first.bins.power_w, again.bins.power_w)) << kernels.name;
+        EXPECT_TRUE(same_bits(first.bins.iq, again.bins.iq)) << kernels.name;
+      }
+      use_kernels(all_kernels().back());
+    }
 }
 
 TEST_F(SeaMotionTest, IsInTrainsOfPulses) {
