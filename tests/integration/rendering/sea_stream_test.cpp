@@ -43,8 +43,8 @@ BinBlock rendered(const RadarSettings& settings) {
 }
 
 TEST(SeaStream, AStateChangedLiveIsInTheFramesThatFollow) {
-  net::SceneRenderer renderer(sea(), "sea");
-  net::FrameCache cache(renderer);
+  rendering::SceneRenderer renderer(sea(), "sea");
+  rendering::FrameCache cache(renderer);
   net::Server server(cache, {radar()}, small_options());
   std::thread thread([&] { server.run(); });
   {
