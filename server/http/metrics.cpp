@@ -232,7 +232,7 @@ void Metrics::frame(const std::string& radar, const rendering::RenderedFrame& fr
   if (frame.pose_to_end_s >= 0) metrics.pose_to_end_s.Observe(frame.pose_to_end_s);
 }
 
-void Metrics::once_frame(const net::RenderedRequest& frame) {
+void Metrics::once_frame(const rendering::RenderedRequest& frame) {
   state_->once_frames.Increment();
   state_->once_rays.Increment(static_cast<double>(frame.rays));
   state_->once_hits.Increment(static_cast<double>(frame.hits));

@@ -36,7 +36,7 @@ class Metrics {
   /// A live radar, whose counters stand at 0 from now on.
   void add_radar(const std::string& radar);
   void frame(const std::string& radar, const rendering::RenderedFrame& frame);
-  void once_frame(const net::RenderedRequest& frame);
+  void once_frame(const rendering::RenderedRequest& frame);
   /// The first scene is in place after so many seconds.
   void scene_loaded(double load_s);
   /// A line was logged at "debug", "info", "warning" or "error".

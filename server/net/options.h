@@ -63,7 +63,7 @@ struct ServerOptions : ServerLimits, StreamConfig {
   std::function<KeeperState()> keeper_state;
   /// Told of each live frame rendered to its end: the radar's name, and what it took. On the io thread.
   std::function<void(const std::string&, const rendering::RenderedFrame&)> on_frame;
-  std::function<void(const RenderedRequest&)> on_request_frame;  ///< the same of RenderOnce frames
+  std::function<void(const rendering::RenderedRequest&)> on_request_frame;  ///< the same of RenderOnce frames
 };
 
 /// Who may have the places of targets.

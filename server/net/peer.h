@@ -71,10 +71,10 @@ class Peer {
   stream::Outbox outbox;
   bool follows_events = false;  ///< gets each event of the exercise
   int subscriptions = 0;
-  std::vector<FrameRequestPtr> renders;  ///< not finished
-  int queries = 0;                       ///< of the ground, not answered
-  rendering::AppraisalPtr appraisal;     ///< that is under way
-  std::deque<KeptRequest> in_turn;       ///< the request that it is for, and those that come after it
+  std::vector<rendering::FrameRequestPtr> renders;  ///< not finished
+  int queries = 0;                                  ///< of the ground, not answered
+  rendering::AppraisalPtr appraisal;                ///< that is under way
+  std::deque<KeptRequest> in_turn;  ///< the request that it is for, and those that come after it
 
   // For the log:
   const std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();

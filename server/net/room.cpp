@@ -145,7 +145,7 @@ void Room::forget(Peer& peer) {
   radars_.forget(peer);
   targets_.forget(peer);
   watchers_changed(false);
-  for (const FrameRequestPtr& request : peer.renders) request->stop.request_stop();
+  for (const rendering::FrameRequestPtr& request : peer.renders) request->stop.request_stop();
   peer.renders.clear();
   if (peer.appraisal) peer.appraisal->stop.request_stop();
   peer.appraisal = nullptr;
@@ -258,13 +258,13 @@ void Room::taken(Peer& peer, const stream::Block& block) {
 
 void Room::finish_render(Peer& peer, std::uint32_t stream_id) {
   std::erase_if(peer.renders,
-                [&](const FrameRequestPtr& request) { return request->stream_id == stream_id; });
+                [&](const rendering::FrameRequestPtr& request) { return request->stream_id == stream_id; });
 }
 
 rendering::FrameCost Room::cost_queued() const {
   rendering::FrameCost sum;
   for (const auto& peer : peers_) {
-    for (const FrameRequestPtr& request : peer->renders) {
+    for (const rendering::FrameRequestPtr& request : peer->renders) {
       sum.pixels += request->cost.pixels;
       sum.bins += request->cost.bins;
       sum.bytes += request->cost.bytes;
@@ -285,7 +285,7 @@ std::optional<FieldError> Room::rate_limit_fault(double rate_hz) const {
                     "0 (none) to " + std::to_string(options_.max_rate_hz)};
 }
 
-void Room::render_once(Peer& peer, const FrameRequestPtr& request) {
+void Room::render_once(Peer& peer, const rendering::FrameRequestPtr& request) {
   request->client_id = peer.id;
   request->stream_id = ++last_stream_id_;
   peer.renders.push_back(request);
@@ -355,7 +355,7 @@ void Room::on_live_fault(std::size_t radar, const std::shared_ptr<const renderin
   post_([this, radar, view, errors] { radars_.note_fault(radar, *view, errors); });
 }
 
-void Room::on_request_block(const FrameRequestPtr& request, const stream::BlockPtr& block) {
+void Room::on_request_block(const rendering::FrameRequestPtr& request, const stream::BlockPtr& block) {
   post_([this, request, block] {
     Peer* peer = peer_of(request->client_id);
     if (peer == nullptr) return;
@@ -364,13 +364,14 @@ void Room::on_request_block(const FrameRequestPtr& request, const stream::BlockP
   });
 }
 
-void Room::on_request_rendered(const RenderedRequest& frame) {
+void Room::on_request_rendered(const rendering::RenderedRequest& frame) {
   post_([this, frame] {
     if (options_.on_request_frame) options_.on_request_frame(frame);
   });
 }
 
-void Room::on_request_fault(const FrameRequestPtr& request, const std::vector<FieldError>& errors) {
+void Room::on_request_fault(const rendering::FrameRequestPtr& request,
+                            const std::vector<FieldError>& errors) {
   post_([this, request, errors] {
     Peer* peer = peer_of(request->client_id);
     if (peer == nullptr) return;

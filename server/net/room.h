@@ -88,7 +88,7 @@ class Room : private rendering::RenderEvents {
   /// that wait. However fast news comes, one a message written is queued.
   void tell_news(Peer& peer);
   /// Queues a checked request; gives it its client and its stream.
-  void render_once(Peer& peer, const FrameRequestPtr& request);
+  void render_once(Peer& peer, const rendering::FrameRequestPtr& request);
   /// Asks the render thread. When it has answered, the peer's kept requests are handled from the first on.
   void appraise(Peer& peer, const rendering::AppraisalPtr& appraisal);
   /// Has a checked question answered, on another thread.
@@ -123,9 +123,10 @@ class Room : private rendering::RenderEvents {
   void on_live_rendered(std::size_t radar, const rendering::RenderedFrame& frame) override;
   void on_live_fault(std::size_t radar, const std::shared_ptr<const rendering::LiveView>& view,
                      const std::vector<FieldError>& errors) override;
-  void on_request_block(const FrameRequestPtr& request, const stream::BlockPtr& block) override;
-  void on_request_rendered(const RenderedRequest& frame) override;
-  void on_request_fault(const FrameRequestPtr& request, const std::vector<FieldError>& errors) override;
+  void on_request_block(const rendering::FrameRequestPtr& request, const stream::BlockPtr& block) override;
+  void on_request_rendered(const rendering::RenderedRequest& frame) override;
+  void on_request_fault(const rendering::FrameRequestPtr& request,
+                        const std::vector<FieldError>& errors) override;
   void on_appraised(const rendering::AppraisalPtr& appraisal, const std::vector<FieldError>& faults) override;
   void on_finished() override;
 

@@ -265,7 +265,7 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
   options.on_frame = [this](const std::string& radar, const rendering::RenderedFrame& frame) {
     metrics_.frame(radar, frame);
   };
-  options.on_request_frame = [this](const net::RenderedRequest& frame) { metrics_.once_frame(frame); };
+  options.on_request_frame = [this](const rendering::RenderedRequest& frame) { metrics_.once_frame(frame); };
   options.keeper_state = [this] { return keeper_->state(); };
   options.ground_at = [this](const PoseSettings& pose, double r_max_m) {
     return keeper_->ground_at({pose.longitude_deg, pose.latitude_deg}, r_max_m);

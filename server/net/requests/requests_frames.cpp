@@ -131,7 +131,7 @@ void Requests::render_once(const wire::RenderOnce& request) {
   if (!faults) return;
   if (!faults->empty()) return refuse(ErrorNumber::invalid_value, "frame refused", *faults);
 
-  auto render = std::make_shared<FrameRequest>();
+  auto render = std::make_shared<rendering::FrameRequest>();
   render->request_id = id_;
   render->radar = request.radar();
   render->view.settings = std::make_shared<const SettingsSnapshot>(SettingsSnapshot{settings, 0});

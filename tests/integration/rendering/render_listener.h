@@ -35,10 +35,10 @@ class Listener : public rendering::RenderEvents {
     faults.push_back(errors.front().field);
     changed_.notify_all();
   }
-  void on_request_block(const net::FrameRequestPtr&, const stream::BlockPtr&) override {}
-  void on_request_rendered(const net::RenderedRequest&) override {}
+  void on_request_block(const rendering::FrameRequestPtr&, const stream::BlockPtr&) override {}
+  void on_request_rendered(const rendering::RenderedRequest&) override {}
   void on_appraised(const rendering::AppraisalPtr&, const std::vector<FieldError>&) override {}
-  void on_request_fault(const net::FrameRequestPtr&, const std::vector<FieldError>&) override {}
+  void on_request_fault(const rendering::FrameRequestPtr&, const std::vector<FieldError>&) override {}
 
   template <typename Condition>
   ::testing::AssertionResult wait(Condition condition) {

@@ -40,16 +40,16 @@ class TurnCounter : public rendering::RenderEvents {
                      const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
-  void on_request_block(const net::FrameRequestPtr&, const stream::BlockPtr& block) override {
+  void on_request_block(const rendering::FrameRequestPtr&, const stream::BlockPtr& block) override {
     const std::lock_guard lock(mutex_);
     begun_ = true;
     wedge_ = wedge_ || block->type == wire::MessageType::wedge_block;
     ended_ = block->type == wire::MessageType::frame_end;
     changed_.notify_all();
   }
-  void on_request_rendered(const net::RenderedRequest&) override {}
+  void on_request_rendered(const rendering::RenderedRequest&) override {}
   void on_appraised(const rendering::AppraisalPtr&, const std::vector<FieldError>&) override {}
-  void on_request_fault(const net::FrameRequestPtr&, const std::vector<FieldError>& errors) override {
+  void on_request_fault(const rendering::FrameRequestPtr&, const std::vector<FieldError>& errors) override {
     ADD_FAILURE() << errors.front().text();
   }
 
@@ -139,7 +139,7 @@ class Turns : public ::testing::Test {
     rendering::RenderThread thread(renderer_, events_, options_);
     thread.add_radar("main", 1, view(live, true));
     thread.set_demand(0, {demand(1)});
-    const auto job = std::make_shared<net::FrameRequest>();
+    const auto job = std::make_shared<rendering::FrameRequest>();
     job->stream_id = 2;
     job->view = view(settings, false);
     job->choice = demand(1).choice;
