@@ -76,7 +76,9 @@ class WedgeThreads {
     const StageClock clock(options_.times);
     try {
       WedgeWork work(plan_, tables_, options_.surfaces, sums_.needs_iq(),
-                     options_.labels || plan_.needs_materials());
+                     options_.labels           ? LabelParts::all
+                     : plan_.needs_materials() ? LabelParts::materials
+                                               : LabelParts::none);
       while (go_on(work)) {
       }
     } catch (const Stopped&) {

@@ -36,7 +36,8 @@ struct WedgeWork {
   std::unique_ptr<EchoSums> sums;  ///< over beam and pulse; null until there is something to add up
   Wedge wedge;
 
-  WedgeWork(const FramePlan& frame, const FrameTables& frame_tables, Surfaces surfaces, bool iq, bool labels)
+  WedgeWork(const FramePlan& frame, const FrameTables& frame_tables, Surfaces surfaces, bool iq,
+            LabelParts labels)
       : plan(frame.looks_at()),
         narrow_bins(frame.narrow_bins()),
         tables(frame_tables),

@@ -335,6 +335,26 @@ class Use(unittest.TestCase):
         self.assertIn("then (64, 96)", out)
         self.assertEqual(child.returncode, 0)
 
+    def test_ctrl_c_in_the_middle_of_a_message_waits_for_its_end(self):
+        code = ("import os, signal, sys, obliq\n"
+                "from obliq._protocol.session import Session\n"
+                "fed = 0\n"
+                "def feed(self, message, before=Session.feed):\n"
+                "    global fed\n"
+                "    fed += 1\n"
+                "    if fed == 40: os.kill(os.getpid(), signal.SIGINT)\n"
+                "    before(self, message)\n"
+                "Session.feed = feed\n"
+                "with obliq.connect(sys.argv[1]) as server:\n"
+                "    radar = server.radar('main')\n"
+                "    try:\n"
+                "        for frame in radar.stream(rate_hz=100, planes='iq'): pass\n"
+                "    except KeyboardInterrupt: print('interrupted')\n"
+                "    print('then', radar.frame(planes='state').shape)\n")
+        child = subprocess.run([sys.executable, "-c", code, support.shared_daemon()], capture_output=True, text=True, timeout=30, check=False,
+                               env={**os.environ, "PYTHONPATH": str(support.ROOT / "client/python/src")})
+        self.assertEqual((child.stdout, child.returncode), ("interrupted\nthen (64, 96)\n", 0), child.stderr)
+
     def test_exceptions_pass_between_processes(self):
         import pickle
 

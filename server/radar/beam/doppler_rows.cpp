@@ -64,6 +64,7 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
       if (!plan_.doppler->windy().empty()) moving_power(*plan_.doppler, *rows[k], azimuth, row.moving);
       if (has_sea) row.sea.place(plan_, *rows[k], azimuth);
     }
+    row.whole = rows[k]->power_row(azimuth);
     if (row.power == nullptr || row.voltages != voltages || row.key != key)
       make(row, *rows[k], voltages, key);
     rows_.push_back(&row);
@@ -154,7 +155,8 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   }
   row.own_power.resize(stride_);
   if (row.iq != nullptr) row.own_iq.resize(2 * stride_);
-  cancel(row, row.power, row.iq, row.own_power.data(), row.own_iq.data());
+  cancel(row, row.power, row.moving.empty() ? nullptr : row.moving.data(), row.iq, row.own_power.data(),
+         row.own_iq.data());
   if (has_sea)
     cancel_sea(row, row.sea.power.data(), row.iq == nullptr ? nullptr : row.sea.iq.data(),
                row.own_power.data(), row.own_iq.data());
@@ -162,7 +164,25 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   if (row.iq != nullptr) row.iq = row.own_iq.data();
 }
 
-const float* DopplerRows::filtered(std::size_t k, const float* power, bool is_sea) {
+const float* DopplerRows::moving_of(std::size_t k, int kind, const float* power) {
+  Row& row = *rows_[k];
+  if (row.moving.empty()) return nullptr;
+  const DopplerPlan& doppler = *plan_.doppler;
+  row.other_moving.resize(stride_);
+  if (kind == LabelShare::kHeights) {
+    // Heights by power: all that is in a bin moves alike.
+    for (std::size_t m = 0; m < stride_; ++m)
+      row.other_moving[m] = row.whole[m] > 0 ? power[m] * (row.moving[m] / row.whole[m]) : 0;
+  } else {
+    if (kind >= LabelShare::kBuildings || !std::ranges::binary_search(doppler.windy(), kind)) return nullptr;
+    const auto share = static_cast<float>(doppler.moving_share());
+    for (std::size_t m = 0; m < stride_; ++m) row.other_moving[m] = share * power[m];
+  }
+  ask(static_cast<std::int64_t>(stride_));
+  return row.other_moving.data();
+}
+
+const float* DopplerRows::filtered(std::size_t k, const float* power, const float* moving, bool is_sea) {
   if (!plan_.doppler->is_of_rows()) return power;
   Row& row = *rows_[k];
   row.other_power.resize(stride_);
@@ -170,19 +190,18 @@ const float* DopplerRows::filtered(std::size_t k, const float* power, bool is_se
     std::ranges::fill(row.other_power, 0.0F);
     cancel_sea(row, power, nullptr, row.other_power.data(), nullptr);
   } else {
-    cancel(row, power, nullptr, row.other_power.data(), nullptr);
+    cancel(row, power, moving, nullptr, row.other_power.data(), nullptr);
   }
   return row.other_power.data();
 }
 
-void DopplerRows::cancel(const Row& row, const float* power, const float* iq, float* out_power,
-                         float* out_iq) const {
+void DopplerRows::cancel(const Row& row, const float* power, const float* moving, const float* iq,
+                         float* out_power, float* out_iq) const {
   ask(kCancelWork * static_cast<std::int64_t>(stride_));
   const DopplerPlan& doppler = *plan_.doppler;
   active_kernels().cancel_row({static_cast<int>(stride_), doppler.delays(),
-                               static_cast<float>(doppler.over_noise_root()), row.first.data(), power,
-                               row.moving.empty() ? nullptr : row.moving.data(), moving_echoes_, iq,
-                               out_power, out_iq});
+                               static_cast<float>(doppler.over_noise_root()), row.first.data(), power, moving,
+                               moving_echoes_, iq, out_power, out_iq});
 }
 
 /// What is left of the sea's power, all of which moves, is added.

@@ -44,9 +44,12 @@ class DopplerRows {
   const float* away_hz() const { return away_hz_.data(); }
   /// Of their power, what moves in the wind; null: nothing does.
   const float* const* moving() const { return moving_.empty() ? nullptr : moving_.data(); }
-  /// Another power of row k, of a label, behind the same canceller; until the next call for k. is_sea: all of
-  /// it is, or none.
-  const float* filtered(std::size_t k, const float* power, bool is_sea);
+  /// Of the power that a label has in row k (LabelShare::kind), what moves in the wind; null: nothing. Until
+  /// the next call for k.
+  const float* moving_of(std::size_t k, int kind, const float* power);
+  /// That power behind the same canceller; until the next call for k. moving: of it; is_sea: all of it is, or
+  /// none.
+  const float* filtered(std::size_t k, const float* power, const float* moving, bool is_sea);
   /// The sea in all taken, where plan.doppler->has_sea() and rows are not filtered by themselves: power,
   /// re and im are of the rest.
   struct Sea {
@@ -75,14 +78,16 @@ class DopplerRows {
     double level_hz = 0;
     std::vector<float> first, second;
     std::vector<CellSpan> spans;
-    std::vector<float> own_power, own_iq, re, im, other_power, moving;
+    std::vector<float> own_power, own_iq, re, im, other_power, moving, other_moving;
+    const float* whole = nullptr;  // its power before the canceller
     SeaPart sea;
   };
   std::size_t place_of(int row) const;
   /// power: that the row's cells count for; of a canceller nothing.
   void place(Row& row, const float* sine, const float* power, double azimuth_rad) const;
   void make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key);
-  void cancel(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
+  void cancel(const Row& row, const float* power, const float* moving, const float* iq, float* out_power,
+              float* out_iq) const;
   void cancel_sea(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
 
   const EchoPlan& plan_;

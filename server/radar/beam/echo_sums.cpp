@@ -13,12 +13,9 @@
 namespace obliq {
 namespace {
 
-constexpr int kIq = 0;
-constexpr int kPower = 1;
 constexpr int kOutputs = AzimuthSum::kOutputs;
 constexpr int kLanesOut = kWedgeAzimuthBins;  // a whole number of kOutputs
-constexpr int kRun = 1024;     // elements between two times that are asked, a multiple of all kernels' lanes
-constexpr int kProducts = 32;  // that a kernel adds up in a unit of ask()
+constexpr int kRun = 1024;  // elements between two times that are asked, a multiple of all kernels' lanes
 
 }  // namespace
 
@@ -70,6 +67,7 @@ void EchoSums::sum(const std::vector<const SharpWedge*>& rows, std::uint64_t dra
     power_rows[k] = doppler_ ? doppler_->power(k) : rows[k]->power_row(azimuth);
     if (coherent) iq_rows[k] = doppler_ ? doppler_->iq(k) : rows[k]->iq_row(azimuth);
   }
+  moving_rows_ = doppler_ ? doppler_->moving() : nullptr;
   sea_rows_ = doppler_ && plan_.doppler->has_sea() ? &doppler_->sea().power : nullptr;
   if (coherent) {
     sum_azimuths({{kPower, &power_rows}, {kIq, &iq_rows}}, bins);
@@ -112,12 +110,19 @@ void EchoSums::sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& 
   for (const SharpWedge* wedge : rows)
     for (const LabelShare& label : wedge->label_powers) kinds.insert(label.kind);
   Rows power_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)));
+  Rows moving_rows(power_rows.size());
+  if (moving_rows_ != nullptr) moving_rows_ = moving_rows.data();
   for (const int kind : kinds) {
     std::ranges::fill(power_rows, zeros_.data());
     const bool is_sea = doppler_ && std::ranges::binary_search(plan_.doppler->sea().materials, kind);
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      if (const float* row = rows[k]->label_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)), kind))
-        power_rows[k] = doppler_ ? doppler_->filtered(k, row, is_sea) : row;
+    std::ranges::fill(moving_rows, zeros_.data());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const float* row = rows[k]->label_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)), kind);
+      if (row == nullptr) continue;
+      const float* moving = doppler_ ? doppler_->moving_of(k, kind, row) : nullptr;
+      power_rows[k] = doppler_ ? doppler_->filtered(k, row, moving, is_sea) : row;
+      if (moving != nullptr) moving_rows[k] = moving;
+    }
     sea_rows_ = is_sea ? &power_rows : nullptr;
     sum_azimuths({{kPower, is_sea && !plan_.doppler->shares_weights() ? &zero_rows_ : &power_rows}}, bins);
     float* share = label_share(bins, kind).data();
@@ -126,6 +131,8 @@ void EchoSums::sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& 
       write_share(bins, o, share);
     }
   }
+  moving_rows_ = nullptr;
+  sea_rows_ = nullptr;
   decide_labels(bins);
 }
 
@@ -200,106 +207,6 @@ void EchoSums::sum_shared(std::initializer_list<Kind> kinds, std::size_t tile, i
       active_kernels().azimuth_sum(sum);
       ask(sum.n_rows * kOutputs * sum.n / kProducts);
     }
-  }
-}
-
-/// Each bin of each row has a weight of its own.
-void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) {
-  static_assert(WeighedRows::kOutputs == kLanesOut);
-  constexpr int kWeights = 16;  // work of one, in products
-  const RowSpan span = weighing(tile, 0, kLanesOut);
-  const auto first = static_cast<std::size_t>(span.first);
-  WeighedRows rows{zero_rows_.data(),
-                   nullptr,
-                   nullptr,
-                   span.n,
-                   plan_.azimuth_parts,
-                   taps_at_.data() + first,
-                   span.begin,
-                   static_cast<int>(tile) * EchoPlan::kTile,
-                   EchoPlan::kTile,
-                   {},
-                   {}};
-  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
-    rows.out_power[o] = out_row(kPower, o);
-    rows.out_iq[o] = out_row(kIq, o);
-  }
-  for (const auto& [kind, of_kind] : kinds) {
-    if (kind == kPower) rows.power = of_kind->data() + first;
-    if (kind == kIq) rows.re = doppler_->re() + first;
-    if (kind == kIq) rows.im = doppler_->im() + first;
-  }
-  ask(std::int64_t{span.n} * WeighedRows::kOutputs * EchoPlan::kTile * kWeights / kProducts);
-  const DopplerPlan& doppler = *plan_.doppler;
-  const float* const* moving = doppler_->moving();
-  if (moving != nullptr) moving += first;
-  const AzimuthKernels& kernels = plan_.kernels;
-  if (!doppler.is_canceller()) {
-    SharpenedSum sum{rows,
-                     kernels.voltage.data(),
-                     doppler_->firsts() + first,
-                     doppler_->spans() + first,
-                     doppler_->away_hz() + WeighedRows::kOutputs * first,
-                     doppler.level_cells_a_hz().data(),
-                     doppler.level_spans().data(),
-                     doppler.response().table()};
-    active_kernels().sharpened_sum(sum);
-    return;
-  }
-  cancel_rows(rows,
-              {doppler_->firsts() + first, doppler_->seconds() + first, moving, doppler_->moving_echoes()});
-  if (sea_rows_ == nullptr) return;
-  // The sea's sums beside those of the rest.
-  const auto n = static_cast<std::size_t>(rows.n);
-  const bool iq = rows.re != nullptr;
-  float rest_power[WeighedRows::kOutputs][EchoPlan::kTile];
-  float rest_iq[WeighedRows::kOutputs][2 * EchoPlan::kTile];
-  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
-    std::copy_n(rows.out_power[o] + rows.first, n, rest_power[o]);
-    if (iq) std::copy_n(rows.out_iq[o] + 2 * rows.first, 2 * n, rest_iq[o]);
-  }
-  const DopplerRows::Sea& sea = doppler_->sea();
-  rows.power = sea_rows_->data() + first;
-  if (iq) rows.re = sea.re.data() + first;
-  if (iq) rows.im = sea.im.data() + first;
-  cancel_rows(rows, {sea.sin.data() + first, sea.cos.data() + first, rows.power, doppler_->sea_echoes()});
-  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
-    for (std::size_t m = 0; m < n; ++m)
-      rows.out_power[o][rows.first + static_cast<int>(m)] += rest_power[o][m];
-    for (std::size_t m = 0; iq && m < 2 * n; ++m)
-      rows.out_iq[o][2 * rows.first + static_cast<int>(m)] += rest_iq[o][m];
-  }
-}
-
-/// Rows behind a canceller whose weights are not a matter of the row alone.
-void EchoSums::cancel_rows(const WeighedRows& rows, const CancelledRows& of) {
-  const DopplerPlan& doppler = *plan_.doppler;
-  const AzimuthKernels& kernels = plan_.kernels;
-  const auto lock = [&](auto& sum) {
-    for (int o = 0; doppler.has_lock() && o < WeighedRows::kOutputs; ++o) {
-      sum.output_sin[o] = doppler_->output_first(o);
-      sum.output_cos[o] = doppler_->output_second(o);
-    }
-  };
-  if (kernels.cancelled.empty()) {
-    LockedSum sum{rows,
-                  kernels.voltage.data(),
-                  of.sin,
-                  of.cos,
-                  {},
-                  {},
-                  doppler.delays(),
-                  static_cast<float>(doppler.over_noise_root()),
-                  of.moving,
-                  kernels.power.data(),
-                  of.echoes};
-    lock(sum);
-    active_kernels().locked_sum(sum);
-  } else {
-    CancelledSum sum{rows,      kernels.cancelled.data(), of.sin,   of.cos, {}, {}, doppler.delays(),
-                     of.moving, kernels.power.data(),     of.echoes};
-    lock(sum);
-    active_kernels().cancelled_sum(sum);
   }
 }
 

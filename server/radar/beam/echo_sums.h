@@ -27,6 +27,8 @@ class EchoSums {
   void sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& bins);
 
  private:
+  static constexpr int kIq = 0, kPower = 1;
+  static constexpr int kProducts = 32;  // that a kernel adds up in a unit of ask()
   using Rows = std::vector<const float*>;
   /// Rows of one kind, I&Q or power.
   struct Kind {
@@ -78,7 +80,9 @@ class EchoSums {
   std::vector<std::complex<float>> phase_;        // [n_range] with speckle "none"
   std::vector<double> range2_m2_;                 // [n_range] of range normalisation; else empty
   std::optional<DopplerRows> doppler_;            // of modes other than map
-  const Rows* sea_rows_ = nullptr;                // of powers that are the sea's, in the current sums
+  // Of the power that is summed: what moves in the wind, and what is the sea's; null: nothing.
+  const float* const* moving_rows_ = nullptr;
+  const Rows* sea_rows_ = nullptr;
 };
 
 }  // namespace obliq

@@ -8,7 +8,7 @@ namespace {
 constexpr int kAScatterer = 8;  // in units of ask()
 }  // namespace
 
-BinSums::BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, bool labels)
+BinSums::BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, LabelParts labels)
     : plan_(plan),
       speckle_(speckle),
       voltages_(voltages),

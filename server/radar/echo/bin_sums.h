@@ -15,8 +15,8 @@ class BinSums {
  public:
   static constexpr std::size_t kBlock = 512;  ///< scatterers whose voltages are worked out together
 
-  /// voltages: false: I&Q is not computed. labels: whether they are wanted.
-  BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, bool labels);
+  /// voltages: false: I&Q is not computed.
+  BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, LabelParts labels);
 
   /// Empties the bins for the wedge of this first azimuth bin and keeps their memory.
   void restart(int first_azimuth);

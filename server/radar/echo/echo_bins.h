@@ -21,7 +21,7 @@ namespace obliq {
 class EchoBins {
  public:
   EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-           AzimuthRange range, Surfaces surfaces = Surfaces::all, bool labels = false);
+           AzimuthRange range, Surfaces surfaces = Surfaces::all, LabelParts labels = LabelParts::none);
 
   /// Empties the bins for another wedge and keeps their memory.
   void restart(AzimuthRange range);

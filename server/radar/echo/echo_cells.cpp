@@ -19,14 +19,14 @@ constexpr int kAScatterer = 8;
 }  // namespace
 
 EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-                     Surfaces surfaces, bool voltages, bool labels)
+                     Surfaces surfaces, bool voltages, LabelParts labels)
     : plan_(plan),
       speckle_(speckle),
       surfaces_(surfaces),
       bins_(plan, speckle, voltages, labels),
       table_(scattering.echo_table()),
       texture_(scattering.texture()),
-      wants_labels_(labels) {
+      labels_(labels) {
   if (texture_ != nullptr) pieces_ = std::make_unique<SeaPieces>();
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
@@ -48,7 +48,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   }
   where_.cells_per_m = cells_per_m_.data();
   where_.level_bits = level_bits_.data();
-  if (labels) datum_ = {plan.scene().world().frame, {antenna}, plan.sector().r_max_m};
+  if (labels == LabelParts::all) datum_ = {plan.scene().world().frame, {antenna}, plan.sector().r_max_m};
 }
 
 void EchoCells::restart(int first_azimuth) {
@@ -150,8 +150,9 @@ void EchoCells::add(const GroundStretches& stretches) {
     bins_.labels().add(
         BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(stretches.bin(k))),
         power_w, stretches.material(k), false,
-        datum_.height_w(middle_m * where_.sin_bearing[run], middle_m * where_.cos_bearing[run], y_w,
-                        power_w));
+        labels_ == LabelParts::all ? datum_.height_w(middle_m * where_.sin_bearing[run],
+                                                     middle_m * where_.cos_bearing[run], y_w, power_w)
+                                   : 0);
   }
 }
 
@@ -220,7 +221,7 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.sec2[k] = echo.sec2_incidence;
   const glm::dvec3 offset = echo.at_m - plan_.sector().antenna_m;
   face_sine_[k] = plan_.antenna_gain().kept_sine(sine, offset.x, offset.z, echo.range_m);
-  if (wants_labels())
+  if (labels_ == LabelParts::all)
     face_height_m_[k] =
         datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
@@ -246,9 +247,9 @@ void EchoCells::take_faces() {
   for (int k = 0; k < faces_.n; ++k) {
     bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
-    if (wants_labels())
+    if (labels_ != LabelParts::none)
       bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
-                         faces_.power_w[k] * face_height_m_[k]);
+                         labels_ == LabelParts::all ? faces_.power_w[k] * face_height_m_[k] : 0);
   }
   faces_.n = 0;
 }

@@ -53,7 +53,7 @@ class EchoCells {
  public:
   /// voltages: false: I&Q is not computed. labels: whether they are wanted.
   EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
-            Surfaces surfaces, bool voltages, bool labels = false);
+            Surfaces surfaces, bool voltages, LabelParts labels = LabelParts::none);
 
   /// Begins with the wedge of this first azimuth bin.
   void restart(int first_azimuth);
@@ -66,7 +66,7 @@ class EchoCells {
   /// Takes a list and empties it.
   void add(GroundEchoes& echoes);
 
-  bool wants_labels() const { return wants_labels_; }
+  LabelParts labels() const { return labels_; }
   /// Takes what labels need of the ground.
   void add(const GroundStretches& stretches);
   /// Of azimuth bin `profile` of the wedge.
@@ -130,7 +130,7 @@ class EchoCells {
   double face_height_m_[FaceEchoes::kMost];
 
   // Of labels.
-  const bool wants_labels_;
+  const LabelParts labels_;
   DatumSurface datum_;
 };
 

@@ -109,7 +109,7 @@ double FootCorner::strip_sum(const WallPlane& wall, std::uint8_t material, doubl
     const GroundSlope slope = ground_slope_at(world.grid, middle.x, middle.y);
     if (!slope.known) break;
     const double gain = slope.per_x * mirrored_x + slope.per_z * mirrored_z;
-    const double at_middle_m = world.grid.height_at_m(middle.x, middle.y) - antenna.y;
+    const double at_middle_m = slope.y_m - antenna.y;
     // As far as the ray between the ground and the antenna's image meets the wall below the roof:
     // h D / (D + before) is that height.
     const auto room_m = [&](double before_m) {

@@ -7,21 +7,25 @@
 
 namespace obliq {
 
+/// What of labels is added up. A canceller needs the power by material alone, of what moves.
+enum class LabelParts { none, materials, all };
+
 /// One wedge's sums of power by material, of buildings, and of heights by power, in double and in the order
 /// of arrival. A sum has memory once something has come to it.
 class LabelSums {
  public:
-  /// wanted: false: nothing is added up.
-  explicit LabelSums(bool wanted) : wanted_(wanted), row_of_(LabelShare::kHeights + 1, kNone) {}
+  explicit LabelSums(LabelParts parts) : parts_(parts), row_of_(LabelShare::kHeights + 1, kNone) {}
 
-  bool wanted() const { return wanted_; }
+  bool wanted() const { return parts_ != LabelParts::none; }
+  bool has_heights() const { return parts_ == LabelParts::all; }
   /// Empties the sums, of `bins` bins.
   void restart(std::size_t bins);
 
-  /// An echo in bin `at`; height_w: its power times its height above the datum.
+  /// An echo in bin `at`; height_w: its power times its height above the datum, where there are heights.
   void add(std::size_t at, double power_w, std::uint8_t material, bool of_building, double height_w) {
-    row(LabelShare::kHeights)[at] += height_w;
     if (material != 0) row(material)[at] += power_w;
+    if (!has_heights()) return;
+    row(LabelShare::kHeights)[at] += height_w;
     if (of_building) row(LabelShare::kBuildings)[at] += power_w;
   }
 
@@ -57,7 +61,7 @@ class LabelSums {
   }
   Row& new_row(int kind);
 
-  bool wanted_;
+  LabelParts parts_;
   std::size_t bins_ = 0;
   std::vector<Row> rows_;
   std::vector<std::vector<double>> spare_;  // memory of the wedge before

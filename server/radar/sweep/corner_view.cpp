@@ -66,7 +66,7 @@ bool CornerView::lay_strip(double down, double across, double along) {
     const double rise = slope.across * across + slope.along * along;
     const double gain = slope.across * across - slope.along * along;
     if (n_pieces_ == 0) rise_ = rise;
-    const double h = grid.height_at_m(x, z) - antenna.y;
+    const double h = under.y_m - antenna.y;
     // The ray to the antenna's image meets the wall below the roof.
     const double room_m = foot_.roof_m * (1 + from_m / foot_.distance_m) - (h - gain * piece_m / 2);
     const double closing = gain - foot_.roof_m / foot_.distance_m;

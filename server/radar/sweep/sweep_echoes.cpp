@@ -55,10 +55,10 @@ SweepEchoes::SweepEchoes(const ScenePlan& plan, AzimuthRange range, const NearBu
   for (VisibleSegments& segments : segments_) segments.wants_planes = cut_.echo.any_lobes;
   ground_ = ground_view(world.grid, plan.sector().antenna_m);
   echoes_.n = 0;
-  if (!cells.wants_labels()) return;
+  if (cells.labels() == LabelParts::none) return;
   stretches_ = std::make_unique_for_overwrite<GroundStretches>();
   stretches_->n = 0;
-  returns_ = std::make_unique<SweptReturns>(plan, planes_);
+  if (cells.labels() == LabelParts::all) returns_ = std::make_unique<SweptReturns>(plan, planes_);
 }
 
 std::int64_t SweepEchoes::bytes(const RadarSettings& s) {
@@ -111,7 +111,7 @@ void SweepEchoes::start_planes() {
     if (stretches_) stretches_->start(k);
   }
   const std::size_t shares = static_cast<std::size_t>(plan_.bins().n_range) * kWedgeAzimuthBins;
-  if (stretches_) stretches_->wants_ends = returns_->any_roofs();
+  if (stretches_) stretches_->wants_ends = returns_ && returns_->any_roofs();
   cut_.kept[0] = kept_.empty() ? nullptr : kept_.data() + static_cast<std::size_t>(plane_) * shares;
   cut_.kept[1] = kept_.empty() || together_ == 1 ? cut_.kept[0] : cut_.kept[0] + shares;
   plane_ += together_;
@@ -169,12 +169,12 @@ void SweepEchoes::march_planes() {
   if (!stretches_) return;
   for (std::size_t run = 0; run < GroundEchoes::kRuns; ++run) end_stretch(run);
   take_stretches();
-  returns_->end_planes();
+  if (returns_) returns_->end_planes();
 }
 
 void SweepEchoes::take_stretches() {
   cells_.add(*stretches_);
-  returns_->add(*stretches_);
+  if (returns_) returns_->add(*stretches_);
   stretches_->n = 0;
 }
 

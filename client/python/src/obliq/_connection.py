@@ -4,11 +4,13 @@ from __future__ import annotations
 import contextlib
 import os
 import selectors
+import signal
 import socket
 import ssl
 import threading
 import time
 from collections.abc import Callable, Iterator
+from types import FrameType
 from typing import TypeVar
 
 from ._requests import ConnectOptions, Tls
@@ -53,6 +55,23 @@ def open_socket(host: str, port: int, tls: Tls | None, timeout_s: float) -> sock
         raise
 
 
+@contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits for the end: else bytes that have been read, or half of a message, would be lost with it."""
+    handler = signal.getsignal(signal.SIGINT)
+    if not callable(handler) or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    signal.signal(signal.SIGINT, lambda number, frame: came.append((number, frame)))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if came:
+            handler(*came[0])
+
+
 class Connection:
     """A session and its socket. One thread at a time, one process."""
 
@@ -63,6 +82,8 @@ class Connection:
         self._splitter = Splitter()
         self.address = f"[{options.host}]:{options.port}" if ":" in options.host else f"{options.host}:{options.port}"
         self._socket = open_socket(options.host, options.port, options.tls, options.timeout_s)
+        self._readable = getattr(selectors, "PollSelector", selectors.DefaultSelector)()  # of no file that a fork would share
+        self._readable.register(self._socket, selectors.EVENT_READ)
         try:
             self.run(self.session.hello(options.name, options.token, options.timeout_s))
         except TimedOut:
@@ -101,19 +122,17 @@ class Connection:
         with self._alone():
             self.session.tell(message, refused)
             self._flush()
-            while self.session.lost is None and not self.session.has_enough() and self._has_come():
+            while self.session.lost is None and not self.session.has_enough() and self._has_come(0):
                 self._receive(0)
             self._flush()
             if self.session.lost is not None:
                 self._shut()
                 raise self.session.lost
 
-    def _has_come(self) -> bool:
+    def _has_come(self, timeout_s: float) -> bool:
         if isinstance(self._socket, ssl.SSLSocket) and self._socket.pending():
             return True
-        with selectors.DefaultSelector() as come:
-            come.register(self._socket, selectors.EVENT_READ)
-            return bool(come.select(0))
+        return bool(self._readable.select(timeout_s))
 
     def _run(self, command: Command[T]) -> T:
         error: ObliqError | None = None
@@ -168,14 +187,20 @@ class Connection:
 
     def _receive(self, timeout_s: float, quiet: bool = False) -> None:
         """Some bytes, and all messages that they complete."""
+        if self._has_come(timeout_s):
+            with uninterrupted():
+                return self._take()
+        if quiet:
+            raise TimedOut("quiet")
+        return self.session.check_silence()
+
+    def _take(self) -> None:
         splitter = self._splitter
-        self._socket.settimeout(max(timeout_s, 1e-3))
+        self._socket.settimeout(1e-3)
         try:
             count = self._socket.recv_into(splitter.space())
         except (TimeoutError, ssl.SSLWantReadError):
-            if quiet:
-                raise TimedOut("quiet") from None
-            return self.session.check_silence()
+            return None  # a part of a TLS record
         except OSError as error:
             return self.session.end(ConnectionLost(f"the connection to {self.address} was lost: {error}"))
         if count == 0:
@@ -191,6 +216,7 @@ class Connection:
 
     def _shut(self) -> None:
         # A child after a fork closes its own copy; no shutdown, which would end the parent's connection.
+        self._readable.close()
         with contextlib.suppress(OSError):
             self._socket.close()
 

@@ -285,7 +285,7 @@ BinBlock sharp_bins(const FramePlan& plan) {
   BinBlock all(0, sharp.bins().n_azimuth, sharp.bins().n_range);
   all.sin_elevation.resize(all.power_w.size());
   const FrameTables tables(sharp);
-  WedgeWork work(plan, tables, Surfaces::all, true, false);
+  WedgeWork work(plan, tables, Surfaces::all, true, LabelParts::none);
   for (int wedge = 0; wedge < wedge_count(all.n_azimuth); ++wedge) {
     render_wedge(work, wedge, {});
     const BinBlock& bins = work.wedge.bins;

@@ -149,6 +149,40 @@ TEST_F(OverLevelGround, DbsWithoutVelocityIsTheRealBeam) {
   }
 }
 
+// Woods to the left of the middle, brighter rock to the right, in one beam. What is left is the woods'.
+TEST_F(OverLevelGround, MtiLabelsWhatTheWindMoves) {
+  for (const bool woods_first : {true, false}) {
+    std::vector<Material> materials = two_materials();
+    const std::size_t woods = woods_first ? 0 : 1;
+    for (Material& material : materials) material.model = ScatteringModel::constant_gamma;
+    materials[woods].wind = true;
+    materials[woods].gamma = 0.05;
+    materials[1 - woods].gamma = 0.1;
+    World world = level_world();
+    const int nx = world.grid.nx - 1, nz = world.grid.nz - 1;
+    for (int j = 0; j < nz; ++j)
+      for (int i = 0; i < nx; ++i)
+        world.surface_material.push_back(static_cast<std::uint8_t>((i < nx / 2) == woods_first ? 0 : 1));
+    TargetScene edge(std::move(world), kAntenna_m, materials);
+    edge.pose().settings.bearing_deg = 0;
+    for (const bool turns : {false, true}) {
+      RadarSettings s = radar(RadarMode::mti);
+      s.atmosphere.wind_m_s = 5;
+      if (turns) s.scan_mode = ScanMode::sector;
+      if (turns) s.scan_rate_deg_s = 0.01;
+      RenderOptions options;
+      options.labels = true;
+      const auto label_of = [&](RadarMode mode) {
+        s.mode = mode;
+        const Frame frame = render(edge.shared(), snapshot(s), edge.pose(), {0, s.azimuth_bins}, options);
+        return frame.bins.labels.material[static_cast<std::size_t>(200 * frame.bins.n_range + 30)];
+      };
+      EXPECT_EQ(label_of(RadarMode::map), 1 - woods);
+      EXPECT_EQ(label_of(RadarMode::mti), woods) << turns;
+    }
+  }
+}
+
 TEST_F(OverLevelGround, MtiLeavesWhatMovesInTheWind) {
   const struct {
     double wind_m_s, frequency_ghz, single_db, twice_db;
