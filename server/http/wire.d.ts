@@ -497,7 +497,7 @@ export interface RadarInfo {
 export interface ClaimControl {
   request_id?: Int64;
   radar?: string;
-  /** from whoever holds it, who is told; for an admin */
+  /** from its holder, which is told; for an admin */
   force?: boolean;
   /** all or none are given; none named: pose and settings */
   kinds?: ClaimKind[];
@@ -927,7 +927,7 @@ export interface GetEvents {
   with_state?: boolean;
 }
 
-/** Answer to GetEvents; and an event when it happens, with request_id 0, for those who follow. */
+/** Answer to GetEvents; and an event when it happens, with request_id 0, to clients that follow. */
 export interface ExerciseEvents {
   request_id?: Int64;
   events?: ExerciseEvent[];
@@ -1015,7 +1015,7 @@ export interface WedgeBlock {
   boresight_rate_deg_s?: Real;
 }
 
-/** Where targets are in the frame, for those who asked for truth: before FrameEnd, of a pass behind each dwell. `records` records of `record_bytes` follow as plane data. PROTOCOL.md, "Truth". */
+/** Where targets are in the frame, to clients that asked for truth: before FrameEnd, of a pass behind each dwell. `records` records of `record_bytes` follow as plane data. PROTOCOL.md, "Truth". */
 export interface TargetBlock {
   frame_id?: Int64;
   records?: number;
