@@ -118,7 +118,7 @@ class Forms(unittest.TestCase):
 
     def test_every_range_has_four_to_six_rings(self):
         few = self.page.driver.execute_async_script("""const done = arguments[1];
-            import(arguments[0] + 'grid.js').then(({ ringSteps }) => {
+            import(arguments[0] + 'picture/grid.js').then(({ ringSteps }) => {
               const wrong = [];
               for (let far = 0.02; far < 900; far *= 1.007)
                 for (const near of [0, 0.1 * far, 0.37 * far, 0.8 * far, 0.99 * far]) {

@@ -107,7 +107,7 @@ class Picture(unittest.TestCase):
         self.page.open(self.daemon.url, "a=main&up=north&palette=grey&auto=0&low=-60&span=40")
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
         _, frame = self.video("main")
-        low = self.page.script("return import('./levels.js').then(({ bestScale }) => bestScale(obliq.panes[0].bins, obliq.panes[0].ppi.table).low_dB)")
+        low = self.page.script("return import('./picture/levels.js').then(({ bestScale }) => bestScale(obliq.panes[0].bins, obliq.panes[0].ppi.table).low_dB)")
         self.page.script(f"obliq.pictures.active.setLevels({low}, 45)")
         self.page.await_frame(2)
         self.daemon.run("get", "--server", self.daemon.address, "--radar", "main", "--north-up", "--db-range",
