@@ -199,7 +199,7 @@ class Echoes(BaseOperator):
     def test_states_differ_by_their_hatches_too(self):
         self.show()
         tiles = self.page.driver.execute_async_script("""const done = arguments[1];
-            import(arguments[0] + 'palettes.js').then(({ stateTiles }) => done(stateTiles().map((tile) => [...tile].map((c) => c === Math.max(...tile)))));""",
+            import(arguments[0] + 'picture/palettes.js').then(({ stateTiles }) => done(stateTiles().map((tile) => [...tile].map((c) => c === Math.max(...tile)))));""",
                                                       self.daemon.url)
         patterns = {tuple(tile) for state, tile in enumerate(tiles) if state != 1}
         self.assertEqual(len(patterns), 4)
