@@ -40,13 +40,16 @@ void place_moving(const Scene& scene, const RadarSettings& settings, const glm::
                   const Pose& pose, EchoPlace& place) {
   if (settings.mode != RadarMode::mti && settings.mode != RadarMode::pulses) return;
   const bool has_wind = settings.atmosphere.wind_m_s > 0, has_sea = sea_state(settings) > 0;
+  place.all_windy = has_wind;
   for (std::size_t id = 0; id < scene.materials().size(); ++id) {
     const Material& material = scene.materials()[id];
     if (!material.used) continue;
+    place.all_windy = place.all_windy && material.wind;
     if (has_wind && material.wind) place.windy.push_back(static_cast<int>(id));
     if (has_sea && material.model == ScatteringModel::sea && material.gamma > 0)
       place.sea.materials.push_back(static_cast<int>(id));
   }
+  if (place.windy.empty() || !place.sea.materials.empty()) place.all_windy = false;
   if (!place.sea.materials.empty())
     place.sea.velocity =
         in_sector(antenna_m_s - sea_velocity_m_s(settings, pose), settings, pose, place.axes);

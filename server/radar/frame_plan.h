@@ -45,7 +45,7 @@ class FramePlan {
   /// How the bins follow from sharp ones by the sums over beam and pulse; null: they are those.
   const EchoPlan* sum() const { return sum_.get(); }
   /// The sums need to know what materials a bin's power comes from.
-  bool needs_materials() const { return sum_ && sum_->doppler && sum_->doppler->has_moving(); }
+  bool needs_materials() const { return sum_ && sum_->doppler && sum_->doppler->needs_materials(); }
   /// Bins of looks_at() that each sharp one is added up from (server/radar/narrow_bins.h).
   int narrow_bins() const { return narrow_bins_; }
 

@@ -27,7 +27,12 @@ MovingEchoes echoes_of(const ByLag& residue) {
 
 void moving_power(const DopplerPlan& doppler, const SharpWedge& wedge, int azimuth,
                   std::vector<float>& moving) {
-  power_of_materials(wedge, azimuth, doppler.windy(), static_cast<float>(doppler.moving_share()), moving);
+  const auto share = static_cast<float>(doppler.moving_share());
+  if (!doppler.all_windy()) return power_of_materials(wedge, azimuth, doppler.windy(), share, moving);
+  const float* const power = wedge.power_row(azimuth);
+  moving.resize(wedge.stride);
+  for (std::size_t m = 0; m < moving.size(); ++m) moving[m] = share * power[m];
+  ask(static_cast<std::int64_t>(moving.size()));
 }
 
 DopplerRows::DopplerRows(const EchoPlan& plan)

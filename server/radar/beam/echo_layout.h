@@ -28,6 +28,7 @@ struct EchoPlace {
   double above_ground_m = 0;  ///< of the antenna; of use where it leans, and to Doppler
   SectorVelocity velocity = {};
   std::vector<int> windy = {};  ///< materials that move in the wind, where that matters
+  bool all_windy = false;       ///< all that the scene is made of do
   MovingSea sea = {};           ///< the same of the sea
 };
 

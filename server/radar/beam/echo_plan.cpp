@@ -71,8 +71,8 @@ struct Planner {
     const SharpRanges ranges{plan.sharp.r_min_m, sharp_range_m, layout.n_tiles() * EchoPlan::kTile};
     const bool turns = s.scan_mode != ScanMode::frame;
     const double turn_rad = turns ? s.scan_rate_deg_s * kDegree_rad / s.pulse.prf_hz : 0;
-    plan.doppler = std::make_shared<const DopplerPlan>(s, place.velocity, ranges, turn_rad,
-                                                       place.above_ground_m, place.windy, place.sea);
+    plan.doppler = std::make_shared<const DopplerPlan>(
+        s, place.velocity, ranges, turn_rad, place.above_ground_m, place.windy, place.sea, place.all_windy);
   }
 
   void plan_ground() {

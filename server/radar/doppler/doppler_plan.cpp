@@ -12,7 +12,7 @@ namespace obliq {
 
 DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& velocity,
                          const SharpRanges& ranges, double turn_rad, double above_ground_m,
-                         std::vector<int> windy, MovingSea sea)
+                         std::vector<int> windy, MovingSea sea, bool all_windy)
     : mode_(settings.mode),
       delays_(settings.doppler.canceller),
       over_noise_root_(1 / std::sqrt(canceller_noise_gain(delays_))),
@@ -23,6 +23,7 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
       train_s_(settings.doppler.pulses / settings.pulse.prf_hz),
       velocity_(velocity),
       windy_(std::move(windy)),
+      all_windy_(all_windy),
       sea_(std::move(sea)),
       ground_(velocity, wavelength_at(settings.frequency_ghz)),
       response_(settings) {

@@ -26,9 +26,10 @@ class DopplerPlan {
  public:
   /// turn_rad: how far the antenna turns between two pulses. above_ground_m: of the antenna over level
   /// ground, where a map's output looks for its echo.
-  /// windy: materials whose echoes move in the wind.
+  /// windy: materials whose echoes move in the wind; all_windy: there are no others.
   DopplerPlan(const RadarSettings& settings, const SectorVelocity& velocity, const SharpRanges& ranges,
-              double turn_rad, double above_ground_m, std::vector<int> windy, MovingSea sea = {});
+              double turn_rad, double above_ground_m, std::vector<int> windy, MovingSea sea = {},
+              bool all_windy = false);
 
   RadarMode mode() const { return mode_; }
   /// Something is made of the pulses: weight() has a meaning.
@@ -48,6 +49,7 @@ class DopplerPlan {
   double over_noise_root() const { return over_noise_root_; }
   /// Materials of which a share moves in the wind, and what the canceller leaves of that (moving_residue).
   const std::vector<int>& windy() const { return windy_; }
+  bool all_windy() const { return all_windy_; }
   double moving_share() const { return moving_share_; }
   const ByLag& residue() const { return residue_; }
   /// The sea, its Doppler, and what the canceller leaves of it (sea_residue).
@@ -55,8 +57,9 @@ class DopplerPlan {
   const MovingSea& sea() const { return sea_; }
   const GroundDoppler& sea_doppler() const { return sea_doppler_; }
   const ByLag& sea_residue() const { return sea_residue_; }
-  /// What is looked at is told apart by its material.
   bool has_moving() const { return !windy_.empty() || has_sea(); }
+  /// What is looked at is told apart by its material.
+  bool needs_materials() const { return has_moving() && !all_windy_; }
 
   const SectorVelocity& velocity() const { return velocity_; }
   const GroundDoppler& ground() const { return ground_; }
@@ -92,6 +95,7 @@ class DopplerPlan {
   double sar_s_a_m_ = 0;  ///< time over range of a synthetic aperture
   SectorVelocity velocity_;
   std::vector<int> windy_;
+  bool all_windy_;
   double moving_share_ = 0;
   ByLag residue_{};
   MovingSea sea_;

@@ -190,6 +190,9 @@ TEST_F(OverLevelGround, MtiLeavesWhatMovesInTheWind) {
   std::vector<Material> materials = two_materials();
   materials[0].wind = true;
   const TargetScene woods(level_world(), kAntenna_m, materials);
+  // Nothing else is there: what moves is a share of all.
+  materials[1].used = false;
+  const TargetScene woods_alone(level_world(), kAntenna_m, materials);
   for (const auto& wanted : kWanted)
     for (const int delays : {1, 2}) {
       RadarSettings s = radar(RadarMode::mti);
@@ -200,6 +203,7 @@ TEST_F(OverLevelGround, MtiLeavesWhatMovesInTheWind) {
       map.mode = RadarMode::map;
       const Frame moving = woods.bare(s);
       const double found = db(sum(woods.bare(map), 200) / sum(moving, 200));
+      EXPECT_NEAR(sum(woods_alone.bare(s), 200) / sum(moving, 200), 1, 1e-6);
       EXPECT_NEAR(found, delays == 1 ? wanted.single_db : wanted.twice_db, 0.05);
       // What is left in I&Q has the power that is left.
       double iq = 0, power = 0;
