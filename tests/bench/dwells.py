@@ -19,7 +19,9 @@ import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "client" / "python" / "src"))
+sys.path.append(str(ROOT / "tests" / "support"))
 import obliq  # noqa: E402
+import programs  # noqa: E402
 
 BIN = pathlib.Path(os.environ.get("OBLIQ_BIN", ROOT / "build" / "release" / "bin"))
 SCENE = ROOT / "deploy" / "scenes" / "losangeles.toml"
@@ -41,8 +43,7 @@ def processor_s(daemon):
     """User and system time of obliqd, which is the keeper's only child."""
     keeper = daemon._keeper.pid
     child = pathlib.Path(f"/proc/{keeper}/task/{keeper}/children").read_text().split()[0]
-    fields = pathlib.Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return programs.processor_s(child)
 
 
 def fly(command, address, radar, dwells, plane):

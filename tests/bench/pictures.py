@@ -16,6 +16,9 @@ import sys
 import tempfile
 import time
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from programs import processor_s  # noqa: E402
+
 SCENE = """
 [terrain]
 synthetic = "hills"
@@ -40,11 +43,6 @@ port = 0
 [http]
 enabled = false
 """
-
-
-def processor_s(pid):
-    fields = pathlib.Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def two_cores():

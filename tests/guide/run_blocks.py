@@ -14,12 +14,14 @@ import pathlib
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
 
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import programs  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 RUN = ("sh", "bash", "python", "toml")
@@ -83,11 +85,7 @@ def readers_files(folder):
 
 
 def free_ports():
-    held = [socket.create_server(("127.0.0.1", 0)) for _ in PORTS]
-    found = {port: s.getsockname()[1] for port, s in zip(PORTS, held)}
-    for s in held:
-        s.close()
-    return found
+    return dict(zip(PORTS, programs.free_ports(len(PORTS))))
 
 
 # Daemons that a page's words say are there.
