@@ -80,6 +80,10 @@ struct LabelShare {
   std::vector<float> share;
 };
 
+/// How much of what labels are made of is worked out, each with what is before it: a canceller needs the
+/// powers of materials, of what moves; buildings, heights and returns are for labels alone.
+enum class LabelParts { none, materials, all };
+
 /// A run of azimuth bins [first_azimuth, first_azimuth + n_azimuth) of the full range swath.
 /// Planes are [n_azimuth][n_range], azimuth clockwise, range outwards.
 struct BinBlock {

@@ -30,9 +30,9 @@ SectorVelocity in_sector(const glm::dvec3& v, const RadarSettings& settings, con
 
 /// Of the sea's scatterers, in the world's axes: downwind.
 glm::dvec3 sea_velocity_m_s(const RadarSettings& settings, const Pose& pose) {
-  const double from_rad = settings.atmosphere.wind_from_deg * kDegree_rad + pose.north_rad;
+  const SinCos from = wind_bearing(settings, pose.north_rad);
   const double downwind_m_s = SeaMotion(settings).downwind_m_s;
-  return {-downwind_m_s * std::sin(from_rad), 0, -downwind_m_s * std::cos(from_rad)};
+  return {-downwind_m_s * from.sin, 0, -downwind_m_s * from.cos};
 }
 
 /// What moves by itself, where a mode shows it.
@@ -49,7 +49,6 @@ void place_moving(const Scene& scene, const RadarSettings& settings, const glm::
     if (has_sea && material.model == ScatteringModel::sea && material.gamma > 0)
       place.sea.materials.push_back(static_cast<int>(id));
   }
-  if (place.windy.empty() || !place.sea.materials.empty()) place.all_windy = false;
   if (!place.sea.materials.empty())
     place.sea.velocity =
         in_sector(antenna_m_s - sea_velocity_m_s(settings, pose), settings, pose, place.axes);

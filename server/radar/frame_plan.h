@@ -44,8 +44,12 @@ class FramePlan {
   const Scene& scene() const { return looks_at_->scene(); }
   /// How the bins follow from sharp ones by the sums over beam and pulse; null: they are those.
   const EchoPlan* sum() const { return sum_.get(); }
-  /// The sums need to know what materials a bin's power comes from.
-  bool needs_materials() const { return sum_ && sum_->doppler && sum_->doppler->needs_materials(); }
+  /// How much of labels is worked out, where they are wanted and where not.
+  LabelParts label_parts(bool wanted) const {
+    if (wanted) return LabelParts::all;
+    const bool materials = sum_ && sum_->doppler && sum_->doppler->needs_materials();
+    return materials ? LabelParts::materials : LabelParts::none;
+  }
   /// Bins of looks_at() that each sharp one is added up from (server/radar/narrow_bins.h).
   int narrow_bins() const { return narrow_bins_; }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "server/radar/settings.h"
+#include "server/radar/simd/lanes/exact_math.h"
 
 namespace obliq {
 
@@ -11,6 +12,8 @@ constexpr double kDriftOfWind = 0.03;
 /// echo/sea_clutter.h), not limited.
 double sea_state_of_wind(double wind_m_s);
 double wind_of_sea_state(double state);
+/// World bearing that the wind comes from; north_rad: the world bearing of true north.
+SinCos wind_bearing(const RadarSettings& settings, double north_rad);
 /// Of these settings, 0 to 6; 0: water returns what its material says, and stands still.
 double sea_state(const RadarSettings& settings);
 

@@ -164,7 +164,7 @@ class BeamSums : public RowSums {
     const EchoPlan& sum = *plan.sum();
     return {options.iq && !sum.draws(),
             wants_look(options, plan.settings()) && sum.speckle != SpeckleKind::independent, options.states,
-            options.labels || plan.needs_materials()};
+            plan.label_parts(options.labels)};
   }
 
   const bool look_;  // video of several looks is wanted
@@ -176,7 +176,7 @@ class PlainRows : public RowSums {
   PlainRows(const FramePlan& plan, const RowWindow& window, AzimuthRange azimuths,
             const RenderOptions& options)
       : RowSums(plan, options, window, {0}, azimuths,
-                {.iq = !plan.sum()->draws(), .labels = plan.needs_materials()}) {}
+                {.iq = !plan.sum()->draws(), .labels = plan.label_parts(false)}) {}
 
   bool next(std::unique_ptr<EchoSums>&, Wedge&) override { return false; }
   EchoRows::Ready ready() {

@@ -75,10 +75,7 @@ class WedgeThreads {
   void work_until_done() {
     const StageClock clock(options_.times);
     try {
-      WedgeWork work(plan_, tables_, options_.surfaces, sums_.needs_iq(),
-                     options_.labels           ? LabelParts::all
-                     : plan_.needs_materials() ? LabelParts::materials
-                                               : LabelParts::none);
+      WedgeWork work(plan_, tables_, options_.surfaces, sums_.needs_iq(), plan_.label_parts(options_.labels));
       while (go_on(work)) {
       }
     } catch (const Stopped&) {

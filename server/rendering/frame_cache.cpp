@@ -124,7 +124,7 @@ class FrameCache::Frame : public PlannedFrame {
 
   bool render(AzimuthRange azimuths, const RenderOptions& options) const override {
     const SharpPlanes planes{options.iq, wants_look(options, settings_->settings), options.states,
-                             options.labels};
+                             options.labels ? LabelParts::all : LabelParts::none};
     if (const auto part = place_->find(azimuths, planes)) return repeat(*part, azimuths, options);
     const auto frame = frame_->again(place_->pose());  // knows what this part alone has seen
     if (!frame) return frame_->render(azimuths, options);

@@ -65,7 +65,8 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
       row.azimuth = azimuth;
       row.voltages = Voltages::none;
       row.power = nullptr;
-      place(row, rows[k]->sine_row(azimuth), rows[k]->power_row(azimuth), plan_.row_middle_rad(azimuth));
+      row.level_hz = level_hz(plan_.row_middle_rad(azimuth));
+      place(row, rows[k]->sine_row(azimuth), rows[k]->power_row(azimuth));
       if (!plan_.doppler->windy().empty()) moving_power(*plan_.doppler, *rows[k], azimuth, row.moving);
       if (has_sea) row.sea.place(plan_, *rows[k], azimuth);
     }
@@ -104,17 +105,20 @@ void DopplerRows::place_outputs(int first_azimuth) {
   for (int o = 0; o < kWedgeAzimuthBins; ++o) {
     Row& output = outputs_[static_cast<std::size_t>(o)];
     const double azimuth_rad = plan_.output_middle_rad(first_azimuth + o);
-    if (doppler.has_lock()) place(output, doppler.level_sine().data(), nullptr, azimuth_rad);
-    output.level_hz = doppler.ground().level_hz(sincos_turns(azimuth_rad / (2 * std::numbers::pi)));
+    output.level_hz = level_hz(azimuth_rad);
+    if (doppler.has_lock()) place(output, doppler.level_sine().data(), nullptr);
   }
   auto away = away_hz_.begin();
   for (const Row* row : rows_)
     for (const Row& output : outputs_) *away++ = static_cast<float>(row->level_hz - output.level_hz);
 }
 
-void DopplerRows::place(Row& row, const float* sine, const float* power, double azimuth_rad) const {
+double DopplerRows::level_hz(double azimuth_rad) const {
+  return plan_.doppler->ground().level_hz(sincos_turns(azimuth_rad / (2 * std::numbers::pi)));
+}
+
+void DopplerRows::place(Row& row, const float* sine, const float* power) const {
   const DopplerPlan& doppler = *plan_.doppler;
-  row.level_hz = doppler.ground().level_hz(sincos_turns(azimuth_rad / (2 * std::numbers::pi)));
   const DopplerRow of{static_cast<int>(stride_), sine, doppler.turns_a_hz().data(), row.level_hz,
                       doppler.ground().up_hz()};
   row.first.resize(stride_);
@@ -143,11 +147,11 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   }
   if (plan_.doppler->is_of_beam()) return;
   const bool has_sea = plan_.doppler->has_sea();
-  if (has_sea) {
-    if (row.iq != nullptr) row.sea.split(row.iq, row.power);
-    if (row.iq != nullptr) row.iq = row.sea.rest_iq.data();
-    row.power = row.sea.rest_power.data();
+  if (has_sea && row.iq != nullptr) {
+    row.sea.split(row.iq, row.power);
+    row.iq = row.sea.rest_iq.data();
   }
+  if (has_sea) row.power = row.sea.rest_power.data();
   if (!plan_.doppler->is_of_rows()) {
     if (row.iq == nullptr) return;
     row.re.resize(stride_);
@@ -160,11 +164,19 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   }
   row.own_power.resize(stride_);
   if (row.iq != nullptr) row.own_iq.resize(2 * stride_);
-  cancel(row, row.power, row.moving.empty() ? nullptr : row.moving.data(), row.iq, row.own_power.data(),
-         row.own_iq.data());
-  if (has_sea)
-    cancel_sea(row, row.sea.power.data(), row.iq == nullptr ? nullptr : row.sea.iq.data(),
-               row.own_power.data(), row.own_iq.data());
+  cancel(
+      {row.first.data(), row.power, row.moving.empty() ? nullptr : row.moving.data(), moving_echoes_, row.iq},
+      row.own_power.data(), row.own_iq.data());
+  if (has_sea) {
+    // All of it moves. What is left of it is added.
+    std::vector<float> power(stride_), iq(row.own_iq.size());
+    cancel({row.sea.sin.data(), row.sea.power.data(), row.sea.power.data(), sea_echoes_,
+            row.iq == nullptr ? nullptr : row.sea.iq.data()},
+           power.data(), iq.data());
+    ask(kCancelWork * static_cast<std::int64_t>(stride_));
+    for (std::size_t m = 0; m < power.size(); ++m) row.own_power[m] += power[m];
+    for (std::size_t m = 0; row.iq != nullptr && m < iq.size(); ++m) row.own_iq[m] += iq[m];
+  }
   row.power = row.own_power.data();
   if (row.iq != nullptr) row.iq = row.own_iq.data();
 }
@@ -191,35 +203,18 @@ const float* DopplerRows::filtered(std::size_t k, const float* power, const floa
   if (!plan_.doppler->is_of_rows()) return power;
   Row& row = *rows_[k];
   row.other_power.resize(stride_);
-  if (is_sea) {
-    std::ranges::fill(row.other_power, 0.0F);
-    cancel_sea(row, power, nullptr, row.other_power.data(), nullptr);
-  } else {
-    cancel(row, power, moving, nullptr, row.other_power.data(), nullptr);
-  }
+  const Echoes of_rest{row.first.data(), power, moving, moving_echoes_, nullptr};
+  const Echoes of_sea{row.sea.sin.data(), power, power, sea_echoes_, nullptr};
+  cancel(is_sea ? of_sea : of_rest, row.other_power.data(), nullptr);
   return row.other_power.data();
 }
 
-void DopplerRows::cancel(const Row& row, const float* power, const float* moving, const float* iq,
-                         float* out_power, float* out_iq) const {
+void DopplerRows::cancel(const Echoes& of, float* out_power, float* out_iq) const {
   ask(kCancelWork * static_cast<std::int64_t>(stride_));
   const DopplerPlan& doppler = *plan_.doppler;
   active_kernels().cancel_row({static_cast<int>(stride_), doppler.delays(),
-                               static_cast<float>(doppler.over_noise_root()), row.first.data(), power, moving,
-                               moving_echoes_, iq, out_power, out_iq});
-}
-
-/// What is left of the sea's power, all of which moves, is added.
-void DopplerRows::cancel_sea(const Row& row, const float* power, const float* iq, float* out_power,
-                             float* out_iq) const {
-  ask(2 * kCancelWork * static_cast<std::int64_t>(stride_));
-  const DopplerPlan& doppler = *plan_.doppler;
-  std::vector<float> left(stride_), left_iq(iq == nullptr ? 0 : 2 * stride_);
-  active_kernels().cancel_row({static_cast<int>(stride_), doppler.delays(),
-                               static_cast<float>(doppler.over_noise_root()), row.sea.sin.data(), power,
-                               power, sea_echoes_, iq, left.data(), left_iq.data()});
-  for (std::size_t m = 0; m < left.size(); ++m) out_power[m] += left[m];
-  for (std::size_t m = 0; m < left_iq.size(); ++m) out_iq[m] += left_iq[m];
+                               static_cast<float>(doppler.over_noise_root()), of.sin, of.power, of.moving,
+                               of.echoes, of.iq, out_power, out_iq});
 }
 
 }  // namespace obliq

@@ -83,12 +83,18 @@ class DopplerRows {
     SeaPart sea;
   };
   std::size_t place_of(int row) const;
-  /// power: that the row's cells count for; of a canceller nothing.
-  void place(Row& row, const float* sine, const float* power, double azimuth_rad) const;
+  double level_hz(double azimuth_rad) const;
+  /// level_hz is there. power: that the row's cells count for; of a canceller nothing.
+  void place(Row& row, const float* sine, const float* power) const;
   void make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key);
-  void cancel(const Row& row, const float* power, const float* moving, const float* iq, float* out_power,
-              float* out_iq) const;
-  void cancel_sea(const Row& row, const float* power, const float* iq, float* out_power, float* out_iq) const;
+  /// Echoes of a row, of which `moving` has the power of what moves by itself, as `echoes` says
+  /// (CancelledRow).
+  struct Echoes {
+    const float *sin, *power, *moving;
+    const MovingEchoes& echoes;
+    const float* iq;
+  };
+  void cancel(const Echoes& of, float* out_power, float* out_iq) const;
 
   const EchoPlan& plan_;
   const std::size_t stride_;

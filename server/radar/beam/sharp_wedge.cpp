@@ -41,7 +41,7 @@ SharpWedge::SharpWedge(const EchoPlan& plan, BinBlock&& bins, const FrameStats& 
     choose_kernels(bins);
     if (plan.doppler) take_sines(bins);
   }
-  if (planes.labels) take_labels(bins);
+  if (planes.labels != LabelParts::none) take_labels(bins);
   if (planes.look && !plan.ground) draw_look(plan, look_key);
 }
 
@@ -57,7 +57,7 @@ SharpWedge::SharpWedge(const EchoPlan& plan, AzimuthRange azimuths, const SharpP
   if (plan.doppler) fill(mean_sine, power.size(), 0);
   fill(count, bins, 0);
   fill(state, bins, 0);
-  if (planes.labels) fill(returns, bins, 0);
+  if (planes.labels != LabelParts::none) fill(returns, bins, 0);
 }
 
 std::vector<float>& SharpWedge::label_row_of(int kind) {

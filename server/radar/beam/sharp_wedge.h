@@ -14,7 +14,7 @@ struct SharpPlanes {
   bool iq = false;
   bool look = false;  ///< of video of several looks (BinBlock::look)
   bool states = false;
-  bool labels = false;
+  LabelParts labels = LabelParts::none;
   bool hold(const SharpPlanes& wanted) const {
     return iq >= wanted.iq && look >= wanted.look && states >= wanted.states && labels >= wanted.labels;
   }

@@ -59,7 +59,7 @@ class DopplerPlan {
   const ByLag& sea_residue() const { return sea_residue_; }
   bool has_moving() const { return !windy_.empty() || has_sea(); }
   /// What is looked at is told apart by its material.
-  bool needs_materials() const { return has_moving() && !all_windy_; }
+  bool needs_materials() const { return has_sea() || (!windy_.empty() && !all_windy_); }
 
   const SectorVelocity& velocity() const { return velocity_; }
   const GroundDoppler& ground() const { return ground_; }

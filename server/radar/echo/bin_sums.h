@@ -43,6 +43,7 @@ class BinSums {
   }
   /// What labels need of echoes, beside add().
   LabelSums& labels() { return labels_; }
+  const LabelSums& labels() const { return labels_; }
   void add_voltage(std::size_t at, double re, double im) {
     cells_[at].re += re;
     cells_[at].im += im;

@@ -46,7 +46,7 @@ EchoBins::EchoBins(const ScenePlan& plan, const ScatteringTable& scattering, con
   factors_.range_normalisation = normalises_samples(plan.settings());
   for (std::size_t material = 0; material < std::size(factors_.gamma); ++material)
     factors_.gamma[material] = material < scattering.size() ? scattering.constant_gamma(material) : 0;
-  if (bins_.labels().has_heights())
+  if (labels == LabelParts::all)
     datum_ = {plan.scene().world().frame, {plan.sector().antenna_m}, plan.sector().r_max_m};
   if (scattering.texture() != nullptr) pieces_ = std::make_unique<SeaPieces>();
   if (scattering.corners() != nullptr && surfaces != Surfaces::ground)
@@ -105,11 +105,9 @@ std::uint64_t EchoBins::add(const SampleBatch& samples) {
     const int azimuth = samples.azimuth_bin[k] - range_.first;
     const std::size_t bin = BinSums::index(azimuth, range_bin);
     bins_.add(bin, power, power * antenna.kept_sine(sine, dx, dz, r));
-    if (bins_.labels().wanted())
-      bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace,
-                         bins_.labels().has_heights()
-                             ? datum_.height_w(dx, dz, power * (at_m.y + r * samples.sin_elevation[k]), power)
-                             : 0);
+    bins_.labels().add(bin, power, samples.material[k], samples.face[k] != kNoFace, [&] {
+      return datum_.height_w(dx, dz, power * (at_m.y + r * samples.sin_elevation[k]), power);
+    });
     ++binned;
     if (foot_corner_ && samples.face[k] != kNoFace) add_corner(samples, k);
     if (samples.face[k] != kNoFace && samples.face[k] != marked)
@@ -173,11 +171,8 @@ void EchoBins::add_corner(const SampleBatch& samples, std::size_t k) {
   const int azimuth = samples.azimuth_bin[k] - range_.first;
   const std::size_t bin = BinSums::index(azimuth, range_bin);
   bins_.add(bin, power, power * antenna.kept_sine(sine, off_m.x, off_m.z, r));
-  if (bins_.labels().wanted())
-    bins_.labels().add(bin, power, samples.material[k], true,
-                       bins_.labels().has_heights()
-                           ? datum_.height_w(off_m.x, off_m.z, power * corner->foot_m.y, power)
-                           : 0);
+  bins_.labels().add(bin, power, samples.material[k], true,
+                     [&] { return datum_.height_w(off_m.x, off_m.z, power * corner->foot_m.y, power); });
   if (plan_.settings().speckle == SpeckleKind::geometric) {
     const double round_trips = 2 * r / plan_.wavelength_m();
     const SinCos at = sincos_turns(-(round_trips - std::floor(round_trips)));

@@ -25,8 +25,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
       surfaces_(surfaces),
       bins_(plan, speckle, voltages, labels),
       table_(scattering.echo_table()),
-      texture_(scattering.texture()),
-      labels_(labels) {
+      texture_(scattering.texture()) {
   if (texture_ != nullptr) pieces_ = std::make_unique<SeaPieces>();
   const double gain = plan.antenna_gain().peak();
   table_.factor = radar_equation_constant(plan.settings().power_w, plan.wavelength_m()) * gain * gain;
@@ -124,8 +123,7 @@ void EchoCells::texture_of(const GroundStretches& stretches, float* tau) const {
       pieces.sine[to] = of.sine[run];
       pieces.cosine[to] = of.cosine[run];
       pieces.across_m[to] = distance_m * of.width_rad;
-      const float range_m = of.first_m + static_cast<float>(stretches.bin(k)) * of.spacing_m;
-      pieces.along_m[to] = of.spacing_m * range_m / std::max(distance_m, 1.0F);
+      pieces.along_m[to] = of.along_m(static_cast<float>(stretches.bin(k)), distance_m);
     }
     ask(kAPiece * pieces.n);
     active_kernels().sea_texture(*texture_, pieces);
@@ -149,10 +147,10 @@ void EchoCells::add(const GroundStretches& stretches) {
     const double middle_m = static_cast<double>(stretches.from_m[k] + stretches.end_m[k]) / 2;
     bins_.labels().add(
         BinSums::index(static_cast<int>(run % kWedgeAzimuthBins), static_cast<int>(stretches.bin(k))),
-        power_w, stretches.material(k), false,
-        labels_ == LabelParts::all ? datum_.height_w(middle_m * where_.sin_bearing[run],
-                                                     middle_m * where_.cos_bearing[run], y_w, power_w)
-                                   : 0);
+        power_w, stretches.material(k), false, [&] {
+          return datum_.height_w(middle_m * where_.sin_bearing[run], middle_m * where_.cos_bearing[run], y_w,
+                                 power_w);
+        });
   }
 }
 
@@ -221,7 +219,7 @@ void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, doub
   faces_.sec2[k] = echo.sec2_incidence;
   const glm::dvec3 offset = echo.at_m - plan_.sector().antenna_m;
   face_sine_[k] = plan_.antenna_gain().kept_sine(sine, offset.x, offset.z, echo.range_m);
-  if (labels_ == LabelParts::all)
+  if (labels() == LabelParts::all)
     face_height_m_[k] =
         datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
@@ -247,9 +245,8 @@ void EchoCells::take_faces() {
   for (int k = 0; k < faces_.n; ++k) {
     bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
     bins_.add_voltage(faces_.at[k], re[k], im[k]);
-    if (labels_ != LabelParts::none)
-      bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
-                         labels_ == LabelParts::all ? faces_.power_w[k] * face_height_m_[k] : 0);
+    bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
+                       [&] { return faces_.power_w[k] * face_height_m_[k]; });
   }
   faces_.n = 0;
 }

@@ -51,7 +51,7 @@ struct FacePower {
 /// scatterer of the sum of their powers. Sums run in the order of arrival.
 class EchoCells {
  public:
-  /// voltages: false: I&Q is not computed. labels: whether they are wanted.
+  /// voltages: false: I&Q is not computed.
   EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, const SpeckleField& speckle,
             Surfaces surfaces, bool voltages, LabelParts labels = LabelParts::none);
 
@@ -66,7 +66,7 @@ class EchoCells {
   /// Takes a list and empties it.
   void add(GroundEchoes& echoes);
 
-  LabelParts labels() const { return labels_; }
+  LabelParts labels() const { return bins_.labels().parts(); }
   /// Takes what labels need of the ground.
   void add(const GroundStretches& stretches);
   /// Of azimuth bin `profile` of the wedge.
@@ -130,7 +130,6 @@ class EchoCells {
   double face_height_m_[FaceEchoes::kMost];
 
   // Of labels.
-  const LabelParts labels_;
   DatumSurface datum_;
 };
 

@@ -7,25 +7,24 @@
 
 namespace obliq {
 
-/// What of labels is added up. A canceller needs the power by material alone, of what moves.
-enum class LabelParts { none, materials, all };
-
 /// One wedge's sums of power by material, of buildings, and of heights by power, in double and in the order
 /// of arrival. A sum has memory once something has come to it.
 class LabelSums {
  public:
   explicit LabelSums(LabelParts parts) : parts_(parts), row_of_(LabelShare::kHeights + 1, kNone) {}
 
-  bool wanted() const { return parts_ != LabelParts::none; }
-  bool has_heights() const { return parts_ == LabelParts::all; }
+  LabelParts parts() const { return parts_; }
   /// Empties the sums, of `bins` bins.
   void restart(std::size_t bins);
 
-  /// An echo in bin `at`; height_w: its power times its height above the datum, where there are heights.
-  void add(std::size_t at, double power_w, std::uint8_t material, bool of_building, double height_w) {
+  /// An echo in bin `at`; height_w(): its power times its height above the datum, asked where heights are
+  /// wanted.
+  template <class HeightW>
+  void add(std::size_t at, double power_w, std::uint8_t material, bool of_building, const HeightW& height_w) {
+    if (parts_ == LabelParts::none) return;
     if (material != 0) row(material)[at] += power_w;
-    if (!has_heights()) return;
-    row(LabelShare::kHeights)[at] += height_w;
+    if (parts_ != LabelParts::all) return;
+    row(LabelShare::kHeights)[at] += height_w();
     if (of_building) row(LabelShare::kBuildings)[at] += power_w;
   }
 

@@ -19,8 +19,6 @@ constexpr NrlFit kVertical{-50.796, 25.93, 0.7093, 21.588, 0.00211};
 
 double sin_of(double angle_rad) { return sincos_turns(angle_rad / (2 * std::numbers::pi)).sin; }
 double log10_of(double x) { return log_of_positive(x) / std::numbers::ln10; }
-/// x^power, x > 0.
-double power_of(double x, double power) { return ratio_of_db(power * db_of_ratio(x)); }
 
 }  // namespace
 
@@ -31,14 +29,14 @@ double sea_sigma0_db(double state, double grazing_rad, double frequency_ghz, Pol
   const double s = std::clamp(state, 0.0, kMostSeaState);
   return fit.c1 + fit.c2 * log10_of(sin_of(degrees * kDegree_rad)) +
          (27.5 + fit.c3 * degrees) * log10_of(f) / (1 + 0.95 * degrees) +
-         fit.c4 * power_of(1 + s, 1 / (2 + 0.085 * degrees + 0.033 * s)) + fit.c5 * degrees * degrees;
+         fit.c4 * to_power(1 + s, 1 / (2 + 0.085 * degrees + 0.033 * s)) + fit.c5 * degrees * degrees;
 }
 
 double upwind_exponent(double grazing_rad, double frequency_ghz) {
   const double grazing =
       std::clamp(grazing_rad, kLeastSeaGrazing_deg * kDegree_rad, kMostUpwindGrazing_deg * kDegree_rad);
   const double wavelength_m = wavelength_at(std::clamp(frequency_ghz, kLeastSea_ghz, kMostSea_ghz));
-  return 0.2 * (1 - 2.8 * grazing) * power_of(wavelength_m + 0.015, -0.4);
+  return 0.2 * (1 - 2.8 * grazing) * to_power(wavelength_m + 0.015, -0.4);
 }
 
 double bessel_i0(double z) {

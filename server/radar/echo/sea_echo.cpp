@@ -64,8 +64,7 @@ std::shared_ptr<const SeaTable> sea_table(const ScenePlan& plan) {
     table->least_upwind_sine = static_cast<float>(sincos_turns(least / (2 * std::numbers::pi)).sin);
     table->most_upwind_sine = static_cast<float>(sincos_turns(most / (2 * std::numbers::pi)).sin);
   }
-  const double from_rad = s.atmosphere.wind_from_deg * kDegree_rad + plan.pose().north_rad;
-  const SinCos from = sincos_turns(from_rad / (2 * std::numbers::pi));
+  const SinCos from = wind_bearing(s, plan.pose().north_rad);
   table->wind_sin = from.sin;
   table->wind_cos = from.cos;
   fill_gammas(s, *table);

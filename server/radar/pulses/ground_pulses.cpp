@@ -55,7 +55,10 @@ GroundPulses::GroundPulses(const FramePlan& plan, const PulseTimes& times, const
     const RadarSettings& s = plan.settings();
     moving_hz_ = 2 / WindSpectrum(s.atmosphere.wind_m_s, s.frequency_ghz).beta_s_m / sum_.wavelength_m;
   }
-  if (sum_.doppler->has_sea()) sea_speeds_ = static_cast<int>(std::ceil(kMovingRows / rows));
+  if (sum_.doppler->has_sea()) {
+    sea_speeds_ = static_cast<int>(std::ceil(kMovingRows / rows));
+    sea_hz_ = 2 * SeaMotion(plan.settings()).deviation_m_s / sum_.wavelength_m;
+  }
   levels_.resize(cosine_steps::kCount);
   gains_.resize(static_cast<std::size_t>(window_.n_taps) * cosine_steps::kCount);
   int before = 0;
@@ -202,7 +205,6 @@ void GroundPulses::take(const SharpWedge& wedge, int azimuth, std::uint64_t key,
 /// cancellers leave.
 void GroundPulses::add_sea(int azimuth, const std::vector<float>& power, int number, std::uint64_t key,
                            const std::vector<double>& hz, Row& sea) const {
-  const double hz_of_one = 2 * SeaMotion(plan_.settings()).deviation_m_s / sum_.wavelength_m;
   const std::uint64_t of_row = mix64(mix64(key ^ kSpeedDraw) + static_cast<std::uint64_t>(azimuth));
   sea.hz = hz;
   ask(kBinWork * 3 * static_cast<std::int64_t>(stride_));
@@ -210,11 +212,17 @@ void GroundPulses::add_sea(int azimuth, const std::vector<float>& power, int num
     if (!(power[m] > 0)) continue;
     const std::uint64_t hash = mix64(of_row + m);
     const double radius2 = -2 * log_of_positive((number + uniform_of_hash(hash)) / sea_speeds_);
-    sea.hz[m] += hz_of_one * std::sqrt(radius2) * sincos_turns(turns_of_hash(hash)).cos;
+    sea.hz[m] += sea_hz_ * std::sqrt(radius2) * sincos_turns(turns_of_hash(hash)).cos;
   }
+  draw_moving(azimuth, power, key, sea);
+}
+
+/// Voltages of a row that moves.
+void GroundPulses::draw_moving(int azimuth, const std::vector<float>& power, std::uint64_t key,
+                               Row& moving) const {
   std::vector<float> iq(2 * stride_);
   draw_sharp_row(sum_, azimuth, mix64(key ^ kMovingDraw), power.data(), iq.data());
-  set_iq(sea, iq.data());
+  set_iq(moving, iq.data());
 }
 
 /// A part of what moves becomes a row of its own. Billingsley's density of speeds falls as p = exp(-x), x =
@@ -240,9 +248,7 @@ void GroundPulses::add_moving(int azimuth, std::vector<float> power, int number,
     const double x2 = x * x;
     power[m] *= static_cast<float>(kSpeedLaws / (1 + x2 / 2 + x2 * x2 / 24));
   }
-  std::vector<float> iq(2 * stride_);
-  draw_sharp_row(sum_, azimuth, mix64(key ^ kMovingDraw), power.data(), iq.data());
-  set_iq(moving, iq.data());
+  draw_moving(azimuth, power, key, moving);
 }
 
 void GroundPulses::sum_rows(const EchoRows::Ready& rows, std::size_t first_row, const PulseTrip& trip,

@@ -43,6 +43,7 @@ class GroundPulses {
                   const std::vector<double>& hz, Row& moving) const;
   void add_sea(int azimuth, const std::vector<float>& power, int number, std::uint64_t key,
                const std::vector<double>& hz, Row& sea) const;
+  void draw_moving(int azimuth, const std::vector<float>& power, std::uint64_t key, Row& moving) const;
   void cut_by_eclipse(const PulseTrip& trip);
   void sum_rows(const EchoRows::Ready& rows, std::size_t first_row, const PulseTrip& trip,
                 const std::vector<Row>& all, int parts);
@@ -69,6 +70,7 @@ class GroundPulses {
   int speeds_ = 0;                         // that a row's bins have of what moves in the wind
   int sea_speeds_ = 0;                     // and of the sea
   double moving_hz_ = 0;                   // of a speed of 1 / beta (WindSpectrum)
+  double sea_hz_ = 0;                      // of the sea's standard deviation
   std::vector<double> turns_a_s2_;         // [stride] of the quadratic phase
   std::vector<int> first_of_like_;         // where the gains of pulses like k begin
   std::vector<double> levels_;             // by step: what makes the squares of its gains add up to 1

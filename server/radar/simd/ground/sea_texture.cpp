@@ -121,11 +121,9 @@ void texture_echoes(const SeaTexture& texture, const PiecesOfBins& of, const flo
     const i32x16 run = at & (GroundEchoes::kRuns - 1);
     const f32x16 bin = converted<float>(at >> GroundEchoes::kLog2Runs);
     const f32x16 distance = select(water, load_floats(echoes.distance_m + first), all_lanes(1.0F));
-    const f32x16 range = of.first_m + bin * of.spacing_m;
-    const f32x16 length = of.spacing_m * range / max(distance, all_lanes(1.0F));
     const f32x16 tau = select(water,
                               mean_tau(texture, distance, gather(of.sine, run), gather(of.cosine, run),
-                                       length, distance * of.width_rad),
+                                       of.along_m(bin, distance), distance * of.width_rad),
                               all_lanes(1.0F));
     // What is behind the last one means nothing.
     store(echoes.light + first, load_floats(echoes.light + first) * tau);

@@ -3,6 +3,7 @@
 
 #include "server/radar/simd/ground/ground_echoes.h"
 #include "server/radar/simd/lanes/kernel.h"
+#include "server/radar/simd/lanes/lanes.h"
 
 namespace obliq {
 
@@ -40,6 +41,12 @@ struct PiecesOfBins {
   float first_m;                                                 ///< slant range of the middle of bin 0
   float spacing_m;
   float width_rad;
+
+  /// Of a piece in the middle of a bin, at a ground distance: along.
+  template <typename Real>
+  OBLIQ_INLINE Real along_m(Real bin, Real distance_m) const {
+    return spacing_m * (first_m + bin * spacing_m) / max(distance_m, Real{} + 1.0F);
+  }
 };
 
 /// Multiplies those echoes whose material has an over_gamma (SeaTable) by the texture's mean over their

@@ -127,5 +127,7 @@ inline double ratio_of_db(double db) {
 }
 /// 10 log10(ratio), of a positive normal number.
 inline double db_of_ratio(double ratio) { return log_of_positive(ratio) / kNepersOfDecibel; }
+/// x^exponent, of a positive normal number.
+inline double to_power(double x, double exponent) { return ratio_of_db(exponent * db_of_ratio(x)); }
 
 }  // namespace obliq

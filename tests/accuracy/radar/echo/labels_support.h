@@ -68,8 +68,9 @@ inline void expect_same_labels(const Labels& a, const Labels& b) {
 }
 
 /// Hills with houses, three materials of ground in stripes, and a fourth of houses; scaled: gamma by
-/// material.
-inline std::shared_ptr<const Scene> striped_town(const std::vector<double>& scaled = {1, 1, 1, 1}) {
+/// material. wind: whether the second stripe moves in it.
+inline std::shared_ptr<const Scene> striped_town(const std::vector<double>& scaled = {1, 1, 1, 1},
+                                                 bool wind = false) {
   static const World town = [] {
     WorldSpec spec = synthetic_spec(SyntheticKind::hills, 7000, 30);
     spec.terrain.shape.height_m = 150;
@@ -91,6 +92,7 @@ inline std::shared_ptr<const Scene> striped_town(const std::vector<double>& scal
   }
   materials[2].model = ScatteringModel::geometric_optics;
   materials[2].reflectivity = 0.3 * scaled[2];
+  materials[1].wind = wind;
   return make_scene(town, materials, RayMethod::march);
 }
 

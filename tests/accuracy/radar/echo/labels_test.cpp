@@ -150,6 +150,24 @@ TEST_P(LabelsOf, PartsOfASectorHaveThoseOfTheWhole) {
   expect_same_labels(whole.bins.labels, dwells.bins.labels);
 }
 
+// A canceller over what moves keeps wedges with the powers of materials: too little for labels.
+TEST(Labels, AreWholeWhereWedgesWereKeptWithoutThem) {
+  const auto scene = striped_town({1, 1, 1, 1}, true);
+  for (const Way& way : kWays) {
+    if (!way.beam) continue;
+    RadarSettings s = way.settings();
+    s.mode = RadarMode::mti;
+    s.atmosphere.wind_m_s = 5;
+    SharpStore store;
+    RenderOptions options;
+    options.sharp = &store;
+    render(scene, snapshot(s), pose_over_origin(scene->world(), kLabelHeight_m, 20), {0, s.azimuth_bins},
+           options);
+    EXPECT_GT(store.bytes(), 0u);
+    expect_same_labels(labelled(scene, s).bins.labels, labelled(scene, s, options).bins.labels);
+  }
+}
+
 TEST_P(LabelsOf, NoiseAndRainLeaveThemAlone) {
   RadarSettings s = GetParam().settings();
   const auto scene = striped_town();
