@@ -16,19 +16,44 @@ namespace {
 /// Half the distance over which the datum's curvature is taken: at 100 km it has changed by 3e-4 of itself.
 constexpr double kCurveStep_m = 20e3;
 
+/// What the wind does to the power of a piece, limits of the sine kept.
+double upwind_factor(const SeaTable& table, double sine, double against) {
+  // The angle of a sine below that of 10 degrees is s + s^3 / 6, to 1e-5.
+  const double exponent = static_cast<double>(table.upwind) * (1 - 2.8 * (sine + sine * sine * sine / 6));
+  return ratio_of_db(exponent * against / kNepersOfDecibel);
+}
+
+/// Place in the table of a sine of grazing from 2^-kOctaves to 1: a step, and how far on to the next.
+struct TablePlace {
+  std::int32_t step;
+  double rest;
+};
+TablePlace place_of(float sine) {
+  const auto bits = std::bit_cast<std::int32_t>(sine);
+  constexpr std::int32_t kWhole = 1 << SeaTable::kRestBits;
+  return {(bits - SeaTable::kLeastBits) >> SeaTable::kRestBits, (bits & (kWhole - 1)) * (1.0 / kWhole)};
+}
+
 void fill_gammas(const RadarSettings& s, SeaTable& table) {
-  for (int k = 0; k <= SeaTable::kSteps + 1; ++k) {
-    const auto bits = static_cast<std::uint32_t>(SeaTable::kLeastBits + (k << SeaTable::kRestBits));
-    const double sine = std::min(1.0, static_cast<double>(std::bit_cast<float>(bits)));
+  const double state = sea_state(s);
+  const auto gamma_at = [&](float of) {
+    const double sine = std::min(1.0, static_cast<double>(of));
     const double grazing = bearing_of(sine, std::sqrt(1 - sine * sine));
     const double within =
         std::clamp(grazing, kLeastSeaGrazing_deg * kDegree_rad, kMostSeaGrazing_deg * kDegree_rad);
     const double sigma0 =
-        ratio_of_db(sea_sigma0_db(sea_state(s), within, s.frequency_ghz, s.atmosphere.polarisation));
-    double gamma = sigma0 / sincos_turns(within / (2 * std::numbers::pi)).sin;
-    if (table.upwind > 0) gamma /= bessel_i0(upwind_exponent(grazing, s.frequency_ghz));
-    table.gamma[k] = static_cast<float>(gamma);
-  }
+        ratio_of_db(sea_sigma0_db(state, within, s.frequency_ghz, s.atmosphere.polarisation));
+    const double gamma = sigma0 / sincos_turns(within / (2 * std::numbers::pi)).sin;
+    return table.upwind > 0 ? gamma / bessel_i0(upwind_exponent(grazing, s.frequency_ghz)) : gamma;
+  };
+  for (int k = 0; k <= SeaTable::kSteps + 1; ++k)
+    table.gamma[k] =
+        static_cast<float>(gamma_at(std::bit_cast<float>(SeaTable::kLeastBits + (k << SeaTable::kRestBits))));
+  // The first line begins between two steps.
+  const TablePlace first = place_of(SeaTable::kLeastSine);
+  const double next = static_cast<double>(table.gamma[first.step + 1]);
+  table.gamma[first.step] =
+      static_cast<float>((gamma_at(SeaTable::kLeastSine) - first.rest * next) / (1 - first.rest));
 }
 
 }  // namespace
@@ -61,14 +86,37 @@ std::shared_ptr<const SeaTable> sea_table(const ScenePlan& plan) {
     // It falls in proportion to 1 - 2.8 grazing.
     const double least = kLeastSeaGrazing_deg * kDegree_rad, most = kMostUpwindGrazing_deg * kDegree_rad;
     table->upwind = static_cast<float>(upwind_exponent(least, s.frequency_ghz) / (1 - 2.8 * least));
-    table->least_upwind_sine = static_cast<float>(sincos_turns(least / (2 * std::numbers::pi)).sin);
     table->most_upwind_sine = static_cast<float>(sincos_turns(most / (2 * std::numbers::pi)).sin);
+    const auto low = static_cast<double>(SeaTable::kLeastSine);
+    const double half = (static_cast<double>(table->most_upwind_sine) - low) / 2;
+    for (int k = 0; k < SeaTable::kUpwindTerms; ++k)  // the Chebyshev nodes
+      table->upwind_sines[k] = low + half * (1 + sincos_turns((k + 0.5) / (2 * SeaTable::kUpwindTerms)).cos);
   }
   const SinCos from = wind_bearing(s, plan.pose().north_rad);
   table->wind_sin = from.sin;
   table->wind_cos = from.cos;
   fill_gammas(s, *table);
   return table;
+}
+
+std::array<float, SeaTable::kUpwindTerms> upwind_terms(const SeaTable& table, double against) {
+  // By Newton's divided differences.
+  constexpr int n = SeaTable::kUpwindTerms;
+  const double(&sine)[n] = table.upwind_sines;
+  double difference[n];
+  for (int k = 0; k < n; ++k) difference[k] = upwind_factor(table, sine[k], against);
+  for (int order = 1; order < n; ++order)
+    for (int k = n - 1; k >= order; --k)
+      difference[k] = (difference[k] - difference[k - 1]) / (sine[k] - sine[k - order]);
+  // To powers, from the innermost bracket outwards.
+  double power[n] = {};
+  for (int k = n - 1; k >= 0; --k) {
+    for (int j = n - 1; j > 0; --j) power[j] = power[j - 1] - sine[k] * power[j];
+    power[0] = difference[k] - sine[k] * power[0];
+  }
+  std::array<float, n> terms;
+  for (std::size_t k = 0; k < terms.size(); ++k) terms[k] = static_cast<float>(power[k]);
+  return terms;
 }
 
 double sea_over_gamma(const SeaTable& table, std::uint8_t material, double dx_m, double dz_m, double range_m,
@@ -80,18 +128,13 @@ double sea_over_gamma(const SeaTable& table, std::uint8_t material, double dx_m,
                       range_m;
   const auto least = static_cast<double>(SeaTable::kLeastSine);
   const auto at = static_cast<float>(sine > least ? std::min(sine, 1.0) : least);
-  const std::int32_t bits = std::bit_cast<std::int32_t>(at);
-  const std::int32_t k = (bits - SeaTable::kLeastBits) >> SeaTable::kRestBits;
-  const double rest = (bits & ((1 << SeaTable::kRestBits) - 1)) * (1.0 / (1 << SeaTable::kRestBits));
-  const auto low = static_cast<double>(table.gamma[k]);
-  const double factor = over * (low + rest * (static_cast<double>(table.gamma[k + 1]) - low));
+  const TablePlace place = place_of(at);
+  const auto low = static_cast<double>(table.gamma[place.step]);
+  const double factor = over * (low + place.rest * (static_cast<double>(table.gamma[place.step + 1]) - low));
   const double distance_m = std::sqrt(dx_m * dx_m + dz_m * dz_m);
   if (!(table.upwind > 0) || !(distance_m > 0)) return factor;
-  const double s = std::clamp(static_cast<double>(at), static_cast<double>(table.least_upwind_sine),
-                              static_cast<double>(table.most_upwind_sine));
-  const double exponent = static_cast<double>(table.upwind) * (1 - 2.8 * (s + s * s * s / 6));
-  const double against = (dx_m * table.wind_sin + dz_m * table.wind_cos) / distance_m;
-  return factor * ratio_of_db(exponent * against / kNepersOfDecibel);
+  const double s = std::min(static_cast<double>(at), static_cast<double>(table.most_upwind_sine));
+  return factor * upwind_factor(table, s, (dx_m * table.wind_sin + dz_m * table.wind_cos) / distance_m);
 }
 
 }  // namespace obliq

@@ -87,9 +87,9 @@ std::shared_ptr<const SeaTexture> sea_texture(const ScenePlan& plan) {
   const double drifted_m =
       kDriftOfWind * s.atmosphere.wind_m_s * (static_cast<double>(plan.pose().settings.sim_time_ns) * 1e-9);
   const glm::dvec3& at = plan.sector().antenna_m;
-  const auto place = [](double metres, std::int32_t& node, float& part) {
+  const auto place = [](double metres, std::uint32_t& node, float& part) {
     const double nodes = metres / kTextureSide_m;
-    node = static_cast<std::int32_t>(static_cast<std::int64_t>(std::floor(nodes)));
+    node = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(nodes)));
     part = static_cast<float>(nodes - std::floor(nodes));
   };
   place(at.x + drifted_m * from.sin, texture->node_x, texture->part_x);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/radar/echo/sea_echo.h"
 #include "server/radar/profile/ground_walk.h"
 #include "server/radar/simd/kernels.h"
 #include "server/radar/simd/lanes/exact_math.h"
@@ -138,8 +139,10 @@ void SweepEchoes::start_plane(int half) {
     if (const SeaTable* sea = cut_.echo.sea; sea != nullptr) {
       cut_.sea_lean[run] = static_cast<float>(sea->lean(bearing.sin, bearing.cos));
       cut_.half_sea_curve[run] = static_cast<float>(sea->curve(bearing.sin, bearing.cos) / 2);
-      cut_.upwind[run] =
-          sea->upwind * static_cast<float>(bearing.sin * sea->wind_sin + bearing.cos * sea->wind_cos);
+      if (sea->upwind > 0) {
+        const auto terms = upwind_terms(*sea, bearing.sin * sea->wind_sin + bearing.cos * sea->wind_cos);
+        for (std::size_t k = 0; k < terms.size(); ++k) cut_.upwind[k][run] = terms[k];
+      }
     }
     cut_.lean[run] = static_cast<float>(elevation.lean_x * bearing.sin + elevation.lean_z * bearing.cos);
   }

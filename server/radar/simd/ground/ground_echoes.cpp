@@ -58,7 +58,7 @@ struct Parts {
   Floats<n> gain;  // width, and gamma where that is a constant
   Floats<n> material, plane_distance;
   Floats<n> raster_gamma;  // only with GroundCut::raster_gamma
-  Floats<n> over_gamma;    // only with a sea: SeaTable's, 0 of other ground
+  Where<n> water;          // only with a sea; gain is without its material's gamma
 };
 
 /// A cross section by area, as a gamma raster has it (World::raster_gamma).
@@ -77,18 +77,17 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
                 cross_section_of(table, high_half(material), high_half(sec2)));
 }
 
-/// What water in the lanes in `seen` returns over what its material says; 1 of other ground. (d2, h2): the
-/// sum of a piece's ends; over_range: 1 over its range.
+/// Gamma of water in the lanes in `seen`; 1 of other ground. (d2, h2): the sum of a piece's ends; over_range:
+/// 1 over its range.
 template <int n>
 OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d2,
                                 Floats<n> h2, Floats<n> over_range, TableWindow& window) {
-  const Where<n> water = seen & (parts.over_gamma > 0.0F);
+  const Where<n> water = seen & parts.water;
   if (!any(water)) return all<n>(1.0F);
   const Floats<n> fall2 =
       d2 * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.half_sea_curve) * d2) - h2;
-  const Floats<n> gamma =
-      sea_gamma(*cut.echo.sea, 0.5F * over_range * fall2, load_as<Floats<n>>(cut.upwind), water, window);
-  return select(water, parts.over_gamma * gamma, all<n>(1.0F));
+  const Floats<n> gamma = sea_gamma(*cut.echo.sea, 0.5F * over_range * fall2, cut.upwind, water, window);
+  return select(water, gamma, all<n>(1.0F));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
@@ -273,10 +272,11 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
     if (cut.material != nullptr) parts.material = of_both(cut.material);
     if (cut.raster_gamma != nullptr) parts.raster_gamma = of_both(cut.raster_gamma);
     if (cut.echo.sea != nullptr) {
-      parts.over_gamma = of_materials(cut.echo.sea->over_gamma, parts.material);
+      const Float over_gamma = of_materials(cut.echo.sea->over_gamma, parts.material);
+      parts.water = over_gamma > 0.0F;
       // A raster of gamma in the material's place stands in the place of the sea as well.
-      if (cut.raster_gamma != nullptr)
-        parts.over_gamma = select(parts.raster_gamma < 0.0F, Float{}, parts.over_gamma);
+      if (cut.raster_gamma != nullptr) parts.water &= ~(parts.raster_gamma < 0.0F);
+      parts.gain *= select(parts.water, over_gamma, all<n>(1.0F));
     }
     if (!cut.echo.any_lobes) {
       Float gamma = of_materials(cut.echo.gamma_f, parts.material);

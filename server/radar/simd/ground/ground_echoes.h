@@ -20,11 +20,10 @@ struct GroundCut {
   const float* kept[2];
   /// [16] rise of the antenna's horizon along each run: ElevationTable's lean along its bearing.
   float lean[16];
-  /// [16] SeaTable's lean and half its curve along each run, and its `upwind` times the cosine from the
-  /// wind's bearing to the run's.
+  /// [16] SeaTable's lean and half its curve along each run, and what its wind does to each (upwind_terms).
   float sea_lean[16];
   float half_sea_curve[16];
-  float upwind[16];
+  float upwind[SeaTable::kUpwindTerms][16];
 };
 
 /// The ground that a profile sees of a range bin: its power, and where it begins. Sixteen runs of segments go

@@ -8,15 +8,15 @@
 namespace obliq {
 
 /// What makes the sea spiky: a field tau over the world, of mean 1, whose values are Gamma distributed.
-/// Normal numbers stand at the nodes of a lattice; between them they are interpolated (bilinear), divided by
-/// their standard deviation there, and mapped to tau by a table.
+/// Normal numbers stand at the nodes of a lattice; between them they are interpolated along both axes, by
+/// weights that keep their variance, and mapped to tau by a table.
 struct SeaTexture {
   static constexpr int kStepsAUnit = 256;
   static constexpr int kReach = 6;  ///< standard deviations; what is beyond takes the table's end
   static constexpr int kSteps = 2 * kReach * kStepsAUnit;
   float tau[kSteps + 1];  ///< by the normal number, from -kReach on: that of the nearest step
   float nodes_per_m;
-  std::int32_t node_x, node_z;  ///< the antenna's place in the lattice: node and part
+  std::uint32_t node_x, node_z;  ///< the antenna's place in the lattice: side and part of it
   float part_x, part_z;
   std::uint32_t seed;
 };
