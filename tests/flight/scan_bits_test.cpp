@@ -23,24 +23,28 @@ namespace {
 using Time = std::chrono::steady_clock::time_point;
 constexpr std::int64_t kStart_ns = 1'000'000'000'000;
 
-std::shared_ptr<const Scene> town_in_hills() {
+/// The ground may return what a sea does.
+std::shared_ptr<const Scene> town_in_hills(bool is_sea) {
+  std::vector<Material> materials = two_materials();
+  if (is_sea) materials[0].model = ScatteringModel::sea;
   WorldSpec spec = synthetic_spec(SyntheticKind::hills, 5000, 40);
   spec.terrain.shape.height_m = 300;
   PrismSpec prisms;
   prisms.per_km2 = 30;
   spec.prisms = {prisms};
-  return make_scene(load_world(spec));
+  return make_scene(load_world(spec), materials);
 }
 
 struct Case {
   FrustumKind kind;
   bool moves = true;
   bool is_radar = false;  ///< a beam, a pulse, noise
+  bool is_sea = false;    ///< whose texture drifts with the sim time
 };
 
 void expect_bits_of_whole_frames(const Case& tested) {
   const FrustumKind kind = tested.kind;
-  const auto scene = town_in_hills();
+  const auto scene = town_in_hills(tested.is_sea);
   scene->tracer();  // so that the first dwell is not missed for it
   const ScanWatch<rendering::SceneRenderer> renderer(scene, "town");
   RadarSettings settings;
@@ -61,6 +65,12 @@ void expect_bits_of_whole_frames(const Case& tested) {
     settings.pulse.kind = PulseKind::compressed;
     settings.receiver.noise = true;
     settings.power_w = 1e3;
+  }
+
+  if (tested.is_sea) {
+    settings.sea.state = 3;
+    settings.sea.shape = 0.5;
+    settings.atmosphere.wind_m_s = 30;
   }
 
   PoseSettings pose;
@@ -138,6 +148,11 @@ TEST(ScanBits, EachDwellOfTheObliqueFrustumIsThatOfAWholeFrameAtItsPose) {
 TEST(ScanBits, ThroughARadarTheDwellsOfAnAntennaThatStandsAreAWholeFrame) {
   expect_bits_of_whole_frames({FrustumKind::sweep, false, true});
   expect_bits_of_whole_frames({FrustumKind::oblique, false, true});
+}
+
+TEST(ScanBits, TheSeaOfEachDwellIsThatOfAWholeFrameAtItsSimTime) {
+  expect_bits_of_whole_frames({.kind = FrustumKind::sweep, .is_sea = true});
+  expect_bits_of_whole_frames({.kind = FrustumKind::sweep, .moves = false, .is_sea = true});
 }
 
 constexpr double kDegree_m = 111195;  // of a meridian, near enough
