@@ -194,7 +194,7 @@ void EchoBins::write(BinBlock& block) {
 /// Adds the voltages of an azimuth bin's scatterers.
 void EchoBins::add_speckle(std::size_t azimuth) {
   ScattererSums& sums = scatterers_[azimuth];
-  std::uint32_t at[BinSums::kBlock];
+  std::uint32_t at[BinSums::kBlock] = {};
   sums.merge();
   for (std::size_t first = 0; first < sums.size(); first += BinSums::kBlock) {
     const std::size_t n = std::min(BinSums::kBlock, sums.size() - first);

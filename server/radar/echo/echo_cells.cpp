@@ -42,11 +42,8 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   for (int bin = 0; bin < bins.n_range; ++bin) {
     const auto octave = static_cast<int>(octave_of((bins.edge_m(bin + 0.0) + bins.edge_m(bin + 1.0)) / 2));
     cells_per_m_.push_back(swath.cells_per_m[octave]);
-    level_bits_.push_back(
-        static_cast<std::uint64_t>(static_cast<std::uint16_t>(static_cast<int>(swath.level[octave]))) << 8);
   }
   where_.cells_per_m = cells_per_m_.data();
-  where_.level_bits = level_bits_.data();
   if (labels == LabelParts::all) datum_ = {plan.scene().world().frame, {antenna}, plan.sector().r_max_m};
 }
 

@@ -110,10 +110,9 @@ class EchoCells {
   Surfaces surfaces_;
   BinSums bins_;
   EchoTable table_;
-  const SeaTexture* texture_;              // null: none
-  std::unique_ptr<SeaPieces> pieces_;      // where there is one
-  std::vector<double> cells_per_m_;        // [n_range]
-  std::vector<std::uint64_t> level_bits_;  // [n_range]
+  const SeaTexture* texture_;          // null: none
+  std::unique_ptr<SeaPieces> pieces_;  // where there is one
+  std::vector<double> cells_per_m_;    // [n_range]
   PlaceOfEchoes where_;
   std::vector<LastCell> last_;        // [n_range][8]
   std::vector<std::uint8_t> shadow_;  // [n_range][8]
@@ -121,7 +120,7 @@ class EchoCells {
 
   // Of a list.
   static constexpr std::size_t kList = GroundEchoes::kMost + GroundEchoes::kSpare;
-  std::uint32_t list_at_[kList];
+  std::uint32_t list_at_[kList]{};
   std::uint64_t list_place_[kList];
   std::uint64_t list_kind_[kList];
   double list_power_w_[kList]{};

@@ -16,12 +16,10 @@ void face_voltages(const EchoTable& table, double wavelength_m, const FaceBins& 
     const f64x8 y = load(faces.y_m + k);
     const f64x8 z = load(faces.z_m + k);
     const f64x8 range = sqrt(x * x + y * y + z * z);
-    const u64x8 at_bin = lane_by_lane<std::uint64_t, kLanes>([&](int lane) __attribute__((always_inline)) {
-      return faces.at[k + lane];
-    });
+    const u64x8 at_bin = load_u64(faces.at + k);
     const OwnerOffset<f64x8> off =
-        owner_offset(bins.owners, x, z, range, to_doubles(at_bin >> 3), gather(bins.edges.sin, at_bin & 7),
-                     gather(bins.edges.cos, at_bin & 7));
+        owner_offset(bins.owners, x, z, range, to_doubles(at_bin >> 3), of_eight(bins.edges.sin, at_bin & 7),
+                     of_eight(bins.edges.cos, at_bin & 7));
     u64x8 hash = load_u64(faces.hash + k);
     if (const mask8 far = off.is_far(); any(far)) hash = select(far, mix_words(hash ^ off.code()), hash);
     const f64x8 round_trips = 2.0 * range / wavelength_m;

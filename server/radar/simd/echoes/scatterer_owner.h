@@ -55,9 +55,10 @@ OBLIQ_INLINE OwnerOffset<Real> owner_offset(const OwnerBins& bins, Real dx, Real
   // Within a few bins of the edge atan(t) is t - t^3 / 3.
   const Real tangent =
       clamp(right / select(before, ahead, broadcast<Real>(1)), broadcast<Real>(-1), broadcast<Real>(1));
-  const Real angle = tangent * (1.0 - tangent * tangent / 3.0);
-  return {range_bin - floor(clamp((range - bins.axis.r_min_m) / bins.axis.range_spacing_m,
-                                  broadcast<Real>(-100), broadcast<Real>(1e6))),
+  const Real angle = tangent * (1.0 - tangent * tangent * (1.0 / 3));
+  const double bins_per_m = 1 / bins.axis.range_spacing_m;
+  return {range_bin - floor(clamp((range - bins.axis.r_min_m) * bins_per_m, broadcast<Real>(-100),
+                                  broadcast<Real>(1e6))),
           select(before, floor(clamp(angle * bins.per_rad, broadcast<Real>(-100), far)), far)};
 }
 

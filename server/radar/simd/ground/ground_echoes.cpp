@@ -163,7 +163,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
     if (any(in_swath)) {
       Float gain = parts.gain;
       const Float over = 1.0F / (r01 * turned);
-      const Float over2 = 1.0F / r01;  // 1 / mean r^2 is third over2^2
+      const Float over2 = turned * over;  // 1 / r01; 1 / mean r^2 is third over2^2
       const Float mean = third * over2 * over2;
       if (cut.echo.any_lobes) {
         Float sigma =
@@ -347,12 +347,13 @@ void ground_places(const PlaceOfEchoes& where, const GroundEchoes& echoes, std::
     const u64x8 profile = at & std::uint64_t{GroundEchoes::kRuns - 1};
     const f64x8 distance = converted<double>(load_as<f32x8>(echoes.distance_m + k));
     const f64x8 cells_per_m = gather(where.cells_per_m, bin);
-    const f64x8 x = where.antenna_x_m + distance * gather(where.sin_bearing, profile);
-    const f64x8 z = where.antenna_z_m + distance * gather(where.cos_bearing, profile);
-    const u64x8 level = gather(where.level_bits, bin);
+    const f64x8 x = where.antenna_x_m + distance * of_sixteen(where.sin_bearing, profile);
+    const f64x8 z = where.antenna_z_m + distance * of_sixteen(where.cos_bearing, profile);
+    // A cell's side is 2^level.
+    const u64x8 level = (std::uint64_t{1023} - (as_bits(cells_per_m) >> 52)) & std::uint64_t{0xffff};
     store(place + k,
           (to_i64(floor(x * cells_per_m)) << 32) | (to_i64(floor(z * cells_per_m)) & 0xffffffffull));
-    store(kind + k, level | material | 0xffffffff00000000ull);
+    store(kind + k, (level << 8) | material | 0xffffffff00000000ull);
   }
 }
 

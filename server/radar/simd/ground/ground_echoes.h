@@ -104,8 +104,7 @@ struct PlaceOfEchoes {
   double antenna_x_m, antenna_z_m;
   double sin_bearing[GroundEchoes::kRuns];
   double cos_bearing[GroundEchoes::kRuns];
-  const double* cells_per_m;        ///< [n_range]
-  const std::uint64_t* level_bits;  ///< [n_range] as in ScattererKey::kind
+  const double* cells_per_m;  ///< [n_range] powers of 2
 };
 
 /// The ground cell of each echo, as ScattererKey's place and kind. Written up to a multiple of 8.

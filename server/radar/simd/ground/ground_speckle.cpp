@@ -42,15 +42,14 @@ OBLIQ_INLINE Centre centre_of(u64x8 place, u64x8 kind) {
 
 using i32x8 = Lanes<std::int32_t, kLanes>;
 
-/// sincos_turns of |turns| <= 1/2 in floats. Error below 3e-7.
+/// sincos_turns of |turns| <= 1/2 in floats. Error below 3e-7. Polynomials here are minimax fits.
 OBLIQ_INLINE SinCosOf<f32x8> sincos_of_fraction(f32x8 turns) {
   constexpr float kShift = 12582912.0F;  // 1.5 x 2^23 leaves no bits behind the point
   const f32x8 shifted = 4.0F * turns + kShift;
   const f32x8 x = 6.28318531F * (turns - 0.25F * (shifted - kShift));
   const f32x8 z = x * x;
-  const f32x8 s = x + x * z * (-1.0F / 6 + z * (1.0F / 120 + z * (-1.0F / 5040 + z * (1.0F / 362880))));
-  const f32x8 c =
-      1.0F + z * (-0.5F + z * (1.0F / 24 + z * (-1.0F / 720 + z * (1.0F / 40320 + z * (-1.0F / 3628800)))));
+  const f32x8 s = x + x * z * (-0.166666507F + z * (0.00833197866F - z * 0.000194956362F));
+  const f32x8 c = 1.0F + z * (-0.499998948F + z * (0.0416562946F - z * 0.00135978231F));
   const i32x8 quarter = OBLIQ_ISA::bits_as<std::int32_t>(shifted);
   const auto odd = (quarter & 1) != 0;
   const auto signed_by = [](f32x8 of, i32x8 bit) __attribute__((always_inline)) {
@@ -69,8 +68,7 @@ OBLIQ_INLINE f32x8 log_of_positive(f32x8 x) {
       select(high, converted<float>((bits >> 23) - 126), converted<float>((bits >> 23) - 127));
   const f32x8 s = (mantissa - 1.0F) / (mantissa + 1.0F);
   const f32x8 z = s * s;
-  return 2.0F * s * (1.0F + z * (1.0F / 3 + z * (1.0F / 5 + z * (1.0F / 7 + z * (1.0F / 9))))) +
-         exponent * 0.693147181F;
+  return 2.0F * s * (1.0F + z * (0.333267138F + z * 0.206437361F)) + exponent * 0.693147181F;
 }
 
 }  // namespace
@@ -97,18 +95,16 @@ bool ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
     unknown |= range != range;
 
     if (owned) {
-      const u64x8 bin = lane_by_lane<std::uint64_t, kLanes>([&](int lane) __attribute__((always_inline)) {
-        return k + lane < block.n ? block.at[k + lane] : 0;
-      });
+      const u64x8 bin = load_u64(block.at + k);
       kind |= owner_offset(ground.owners, dx, dz, range, to_doubles(bin >> 3),
-                           gather(block.edges->sin, bin & 7), gather(block.edges->cos, bin & 7))
+                           of_eight(block.edges->sin, bin & 7), of_eight(block.edges->cos, bin & 7))
                   .code();
     }
     const u64x8 hash = mix_words(place_hash ^ kind);
     const f64x8 turns = turns_of_hash(hash) - range * round_trips_a_m;
     const auto at = sincos_of_fraction(converted<float>(turns - nearest_integer(turns)));
-    const f32x8 modulus2 = -log_of_positive(converted<float>(uniform_of_hash(hash)));
-    const f32x8 amplitude = converted<float>(sqrt(load(block.power_w + k))) * sqrt(max(modulus2, f32x8{}));
+    const f32x8 modulus2 = max(-log_of_positive(converted<float>(uniform_of_hash(hash))), f32x8{});
+    const f32x8 amplitude = converted<float>(sqrt(load(block.power_w + k) * converted<double>(modulus2)));
     store(block.re + k, converted<double>(amplitude * at.cos));
     store(block.im + k, converted<double>(amplitude * at.sin));
   }

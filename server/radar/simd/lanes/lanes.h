@@ -182,9 +182,22 @@ OBLIQ_INLINE f64x8 gather(const From* from, u64x8 at) {
   });
 #endif
 }
-OBLIQ_INLINE u64x8 gather(const std::uint64_t* from, u64x8 at) {
-  return lane_by_lane<std::uint64_t, kLanes>([&](int lane)
-                                                 __attribute__((always_inline)) { return from[at[lane]]; });
+/// from[at] of eight, and of sixteen doubles.
+OBLIQ_INLINE f64x8 of_eight(const double* from, u64x8 at) {
+#if defined(__AVX512F__)
+  return OBLIQ_ISA::lanes_from<f64x8>(
+      _mm512_permutexvar_pd(__builtin_bit_cast(__m512i, at.v), _mm512_loadu_pd(from)));
+#else
+  return gather(from, at);
+#endif
+}
+OBLIQ_INLINE f64x8 of_sixteen(const double* from, u64x8 at) {
+#if defined(__AVX512F__)
+  return OBLIQ_ISA::lanes_from<f64x8>(_mm512_permutex2var_pd(
+      _mm512_loadu_pd(from), __builtin_bit_cast(__m512i, at.v), _mm512_loadu_pd(from + kLanes)));
+#else
+  return gather(from, at);
+#endif
 }
 OBLIQ_INLINE Pairs<f64x8> gather_pairs(const float* from, u64x8 at) {
 #if defined(__AVX512F__)
