@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 import unittest
+import unittest.mock
 
 import support
 from support import OBLIQD, Folder, obliq
@@ -141,6 +142,20 @@ class Batch(Folder):
             job = obliq.prepare(POSES, self.folder / "twice", server=self.server, shard_size=4)
             list(executor.map(job.run, [number for number in job.shards() for _ in range(2)]))
         self.assert_whole("twice")
+
+    def test_a_shard_that_another_worker_makes_meanwhile_stays_once(self):
+        job = obliq.prepare(POSES, self.folder / "meanwhile", server=self.server, shard_size=4)
+        connected, others = type(job).connected, [0]
+
+        def after_another(worker, scene):
+            if others:
+                worker.run(others.pop())
+            return connected(worker, scene)
+        with unittest.mock.patch.object(type(job), "connected", after_another):
+            for number in job.shards():
+                job.run(number)
+        self.assert_whole("meanwhile")
+        self.assertEqual(len(list((self.folder / "meanwhile").glob("part-*"))), len(job.shards()))
 
     def test_daemons_of_its_own_make_the_same_set(self):
         config = support.scene(self.folder)

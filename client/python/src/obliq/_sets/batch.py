@@ -40,6 +40,16 @@ Shard = tuple[int, int, int, float]  # number, frames, failed poses, seconds
 
 
 @dataclasses.dataclass(frozen=True)
+class Left:
+    """Of a shard the places without a frame, beside the parts that were there when they were looked for. They come into the part
+    after those: where another worker has made that meanwhile, its own stays."""
+
+    number: int
+    again: int
+    places: list[int]
+
+
+@dataclasses.dataclass(frozen=True)
 class Job:
     """All that a worker on another machine needs; run(number) does one shard. radar: whose patterns and name the frames have.
     scenes: the scene files, by their names in the lines; "": of lines that name none. areas: by scene, what is loaded of it."""
@@ -87,44 +97,43 @@ class Job:
         """The same of each shard that is not there, one after the other on one connection: while one is brought to the
         disk, frames of the next are taken."""
         shards = self._shards()
-        wanted = [(number, places) for number in numbers if (places := self._left(number, shards[number]))]
-        for scene, some in itertools.groupby(wanted, key=lambda item: self.lines[item[1][0]].scene):
+        wanted = [left for number in numbers if (left := self._left(number, shards[number])).places]
+        for scene, some in itertools.groupby(wanted, key=lambda left: self.lines[left.places[0]].scene):
             with self.connected(scene) as server:
                 check_manifest(self, {scene: world_of(server, self, scene)})
                 yield from self._render(server, list(some))
 
-    def _left(self, number: int, places: list[int]) -> list[int]:
-        """Of a shard's places those that have no frame."""
-        if not parts_of(self.out, number):
-            return places
-        failed = {line["id"] for line in failed_of(self.out, number)}
-        return [place for place in places if self.lines[place].id in failed]
+    def _left(self, number: int, places: list[int]) -> Left:
+        again = len(parts_of(self.out, number))
+        if again:
+            failed = {line["id"] for line in failed_of(self.out, number)}
+            places = [place for place in places if self.lines[place].id in failed]
+        return Left(number, again, places)
 
-    def _render(self, server: Server, wanted: list[tuple[int, list[int]]]) -> Iterator[Shard]:
+    def _render(self, server: Server, wanted: list[Left]) -> Iterator[Shard]:
         began = time.monotonic()
-        scene = self.lines[wanted[0][1][0]].scene
+        scene = self.lines[wanted[0].places[0]].scene
         world = worlds_in(read_manifest(self.out))[scene]
-        places = [place for _, some in wanted for place in some]
+        places = [place for left in wanted for place in left.places]
         low = self._too_low(server, places)
         results = server.render_many([self.asked(place) for place in places if place not in low], planes=self.planes,
                                      timeout=self.timeout, return_exceptions=True, radar=self.radar,
                                      truth=any(self.lines[place].targets is not None for place in places))
         before: tuple[concurrent.futures.Future[None], Shard] | None = None
         with concurrent.futures.ThreadPoolExecutor(1) as disk:
-            for number, some in wanted:
-                again = len(parts_of(self.out, number))
-                part = PartWriter(self.out, number, len(some), again)
+            for left in wanted:
+                part = PartWriter(self.out, left.number, len(left.places), left.again)
                 try:
-                    frames = self._fill(part, some, low, results, world, server)
+                    frames = self._fill(part, left.places, low, results, world, server)
                 except BaseException:
                     part.close()
                     raise
                 now = time.monotonic()
-                written = disk.submit(part.finish if frames or not again else part.close)
+                written = disk.submit(part.finish if frames or not left.again else part.close)
                 if before:
                     before[0].result()
                     yield before[1]
-                before, began = (written, (number, frames, len(some) - frames, now - began)), now
+                before, began = (written, (left.number, frames, len(left.places) - frames, now - began)), now
             if before:
                 before[0].result()
                 yield before[1]
@@ -344,7 +353,7 @@ def batch(poses: Poses, out: str | os.PathLike[str], *, executor: concurrent.fut
             stop_own_daemons()  # its workers start theirs
         numbers = todo(job, shard)
         every = job._shards()
-        say = Progress(sum(len(job._left(number, every[number])) for number in numbers), progress)
+        say = Progress(sum(len(job._left(number, every[number]).places) for number in numbers), progress)
         frames = failed = 0
         for _, more, lost, _ in _results(job, numbers, executor):
             frames, failed = frames + more, failed + lost
