@@ -44,10 +44,11 @@ void place_moving(const Scene& scene, const RadarSettings& settings, const glm::
   for (std::size_t id = 0; id < scene.materials().size(); ++id) {
     const Material& material = scene.materials()[id];
     if (!material.used) continue;
-    place.all_windy = place.all_windy && material.wind;
-    if (has_wind && material.wind) place.windy.push_back(static_cast<int>(id));
-    if (has_sea && material.model == ScatteringModel::sea && material.gamma > 0)
-      place.sea.materials.push_back(static_cast<int>(id));
+    const bool is_sea = has_sea && material.model == ScatteringModel::sea && material.gamma > 0;
+    const bool is_windy = has_wind && material.wind && !is_sea;
+    if (is_sea) place.sea.materials.push_back(static_cast<int>(id));
+    if (is_windy) place.windy.push_back(static_cast<int>(id));
+    place.all_windy = place.all_windy && is_windy;
   }
   if (!place.sea.materials.empty())
     place.sea.velocity =

@@ -47,7 +47,8 @@ struct SeaTable {
 OBLIQ_LANES Lanes<T, n> sea_gamma(const SeaTable& table, Lanes<T, n> sine, const float (*upwind)[16],
                                   Lanes<MaskOf<float>, n> wanted, TableWindow& window) {
   const Lanes<T, n> least = Lanes<T, n>{} + SeaTable::kLeastSine;
-  const Lanes<T, n> at = max(least, sine);  // of a NaN the least
+  // Of a NaN the least. A piece's mean sine, from its ends, may be above 1 on a slope below the antenna.
+  const Lanes<T, n> at = min(max(least, sine), Lanes<T, n>{} + 1.0F);
   const auto bits = OBLIQ_ISA::bits_as<std::int32_t>(at);
   const auto k = (bits - SeaTable::kLeastBits) >> SeaTable::kRestBits;
   const auto rest =

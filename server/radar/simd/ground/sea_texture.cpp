@@ -7,9 +7,9 @@ namespace {
 
 using u32x16 = Lanes<std::uint32_t, kFloatLanes>;
 
-/// Random bits from two products of odd numbers: one round of a multiplicative hash (C. Wellons, Hash
-/// Prospector, 2018, public domain, has the multiplier). Over 2,048 x 2,048 nodes neither the field nor its
-/// square has a correlation beyond chance.
+/// Random bits from those of two node numbers times odd constants: one round of a multiplicative hash (C.
+/// Wellons, Hash Prospector, 2018, public domain, has the multiplier). Over 2,048 x 2,048 nodes neither the
+/// field nor its square has a correlation beyond chance.
 OBLIQ_INLINE u32x16 mixed(u32x16 h) {
   h = (h ^ (h >> 15)) * 0x2c1b3c6dU;
   return h ^ (h >> 13);

@@ -230,6 +230,21 @@ TEST_F(SeaMotionTest, HasTheSameBitsWithAnyInstructionSet) {
     }
 }
 
+TEST_F(SeaMotionTest, IsNotThatOfWoodsAsWell) {
+  // Of a material that moves in the wind and is sea, the sea's motion alone counts, once.
+  std::vector<Material> both = sea_materials();
+  both[0].wind = true;
+  TargetScene windy{level_world(), kAntenna_m, both};
+  windy.pose().settings.bearing_deg = 0;
+  RadarSettings s = train_settings();
+  s.doppler.pulses = 16;
+  s.pulse.prf_hz = 1000;
+  s.sea.state = kState;
+  s.sea.shape = 0;
+  s.atmosphere.wind_m_s = kWind_m_s;
+  EXPECT_TRUE(same_train(train_of(scene_, s), train_of(windy, s)));
+}
+
 TEST_F(SeaMotionTest, IsInTrainsOfPulses) {
   RadarSettings s = train_settings();
   s.doppler.pulses = 16;

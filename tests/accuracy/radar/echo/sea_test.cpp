@@ -115,6 +115,37 @@ Frame render_sea(const World& world, const RadarSettings& s, double height_m) {
                 {0, s.azimuth_bins});
 }
 
+TEST(Sea, OnASlopeRightBelowTheAntennaReturnsWhatTheModelHas) {
+  // A piece's sine of grazing by its ends is above 1 there. Whatever it is, the sea returns something between
+  // the model's least and its most over its material's gamma.
+  double least = INFINITY, most = 0;
+  for (int tenths = 1; tenths <= 600; ++tenths) {
+    const double grazing = tenths * kPi / 1800;
+    least = std::min(least, sigma0(grazing) / std::sin(grazing));
+    most = std::max(most, sigma0(grazing) / std::sin(grazing));
+  }
+  for (const double slope : {0.5, 1.0, 3.0}) {
+    const World world = test::made_world(600, 30, [&](double, double z) { return -slope * z; });
+    RadarSettings s = radar(FrustumKind::sweep, 3, 1, 401);
+    s.range_bins = 8;
+    for (const double height_m : {1.0, 5.0, 20.0}) {
+      const Frame sea = render_sea(world, s, height_m);
+      RadarSettings plain = s;
+      plain.sea.state = 0;
+      const Frame flat = render_sea(world, plain, height_m);
+      int lit = 0;
+      for (std::size_t k = 0; k < flat.bins.power_w.size(); ++k) {
+        if (!(flat.bins.power_w[k] > 0)) continue;
+        ++lit;
+        const double gamma = sea.bins.power_w[k] / flat.bins.power_w[k] * sea_alone()[0].gamma;
+        EXPECT_GT(gamma, 0.99 * least) << slope << ", " << height_m << " m, bin " << k;
+        EXPECT_LT(gamma, 1.01 * most) << slope << ", " << height_m << " m, bin " << k;
+      }
+      EXPECT_GT(lit, 0);
+    }
+  }
+}
+
 TEST(Sea, OfALevelPlaneIsTheClosedIntegral) {
   // Pieces take the grazing angle of their middles, cells are 60 m wide: 2e-4 of a bin at 2 km.
   const World world = load_world(test::synthetic_spec(SyntheticKind::flat, 12000, 60));

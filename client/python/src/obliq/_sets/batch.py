@@ -41,8 +41,8 @@ Shard = tuple[int, int, int, float]  # number, frames, failed poses, seconds
 
 @dataclasses.dataclass(frozen=True)
 class Left:
-    """Of a shard the places without a frame, beside the parts that were there when they were looked for. They come into the part
-    after those: where another worker has made that meanwhile, its own stays."""
+    """Of a shard the places without a frame, and how many parts (`again`) were there when they were looked for: the number of the
+    part that they come into. Where another worker has made that part meanwhile, the other worker's stays."""
 
     number: int
     again: int
