@@ -188,7 +188,6 @@ void SpeckleField::respond_alone(const SpeckleBlock& block, int k) const {
 
 void SpeckleField::describe_cells(SwathCells& cells) const {
   std::copy(std::begin(cells_per_m_), std::end(cells_per_m_), cells.cells_per_m);
-  std::copy(std::begin(level_of_octave_), std::end(level_of_octave_), cells.level);
 }
 
 }  // namespace obliq

@@ -2,7 +2,7 @@
 // eight samples at a time.
 #include "server/radar/simd/echoes/bin_samples.h"
 
-#include "server/radar/simd/lanes/lanes.h"
+#include "server/radar/simd/echoes/cell_key.h"
 
 namespace obliq::OBLIQ_ISA {
 
@@ -19,10 +19,8 @@ void bin_samples(const SwathCells& cells, const EchoFactors& factors, const Samp
 
     const u64x8 octave = to_u64(octave_of(r));
     const f64x8 cells_per_m = gather(cells.cells_per_m, octave);
-    const u64x8 x = to_i64(floor(load(samples.x_m + k) * cells_per_m));
-    const u64x8 z = to_i64(floor(load(samples.z_m + k) * cells_per_m));
-    store(placed.cell + k, (x << 32) | (z & 0xffffffffull));
-    store(placed.level + k, (to_i64(gather(cells.level, octave)) & 0xffff) << 8);
+    store(placed.cell + k, place_of_cell(load(samples.x_m + k), load(samples.z_m + k), cells_per_m));
+    store(placed.level + k, level_in_kind(cells_per_m));
   }
 }
 

@@ -17,8 +17,7 @@ OBLIQ_INLINE Real octave_of(Real r) {
 /// The swath's range bins and its ground cells by octave of range (SpeckleField).
 struct SwathCells {
   RangeAxis axis;
-  double cells_per_m[64];
-  double level[64];
+  double cells_per_m[64];  ///< powers of 2
 };
 
 /// What the samples' powers have in common.

@@ -2,6 +2,7 @@
 // edges of bins, cross section, radar equation. Nothing in between goes to memory.
 #include "server/radar/simd/ground/ground_echoes.h"
 
+#include "server/radar/simd/echoes/cell_key.h"
 #include "server/radar/simd/ground/running_ground.h"
 #include "server/radar/simd/lanes/float_lanes.h"
 
@@ -349,11 +350,8 @@ void ground_places(const PlaceOfEchoes& where, const GroundEchoes& echoes, std::
     const f64x8 cells_per_m = gather(where.cells_per_m, bin);
     const f64x8 x = where.antenna_x_m + distance * of_sixteen(where.sin_bearing, profile);
     const f64x8 z = where.antenna_z_m + distance * of_sixteen(where.cos_bearing, profile);
-    // A cell's side is 2^level.
-    const u64x8 level = (std::uint64_t{1023} - (as_bits(cells_per_m) >> 52)) & std::uint64_t{0xffff};
-    store(place + k,
-          (to_i64(floor(x * cells_per_m)) << 32) | (to_i64(floor(z * cells_per_m)) & 0xffffffffull));
-    store(kind + k, (level << 8) | material | 0xffffffff00000000ull);
+    store(place + k, place_of_cell(x, z, cells_per_m));
+    store(kind + k, level_in_kind(cells_per_m) | material | 0xffffffff00000000ull);
   }
 }
 

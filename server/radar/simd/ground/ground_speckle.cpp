@@ -2,6 +2,7 @@
 // once; what is left needs the seven digits of I&Q.
 #include "server/radar/simd/ground/ground_speckle.h"
 
+#include "server/radar/simd/echoes/cell_key.h"
 #include "server/radar/simd/ground/grid_walk.h"
 #include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/hash.h"
@@ -35,8 +36,7 @@ OBLIQ_INLINE Centre centre_of(u64x8 place, u64x8 kind) {
   // Cell numbers are 32-bit integers of either sign: counted from the least one they are whole numbers.
   const f64x8 x_cell = to_doubles((place >> 32) ^ 0x80000000ull) - 0x1p31;
   const f64x8 z_cell = to_doubles((place & 0xffffffffull) ^ 0x80000000ull) - 0x1p31;
-  const u64x8 level = ((kind >> 8) & 0xffff) ^ 0x8000;
-  const f64x8 side = as_doubles((level - std::uint64_t{0x8000 - 1023}) << 52);
+  const f64x8 side = side_of_cell(kind);
   return {(x_cell + 0.5) * side, (z_cell + 0.5) * side};
 }
 
@@ -44,9 +44,8 @@ using i32x8 = Lanes<std::int32_t, kLanes>;
 
 /// sincos_turns of |turns| <= 1/2 in floats. Error below 3e-7. Polynomials here are minimax fits.
 OBLIQ_INLINE SinCosOf<f32x8> sincos_of_fraction(f32x8 turns) {
-  constexpr float kShift = 12582912.0F;  // 1.5 x 2^23 leaves no bits behind the point
-  const f32x8 shifted = 4.0F * turns + kShift;
-  const f32x8 x = 6.28318531F * (turns - 0.25F * (shifted - kShift));
+  const f32x8 shifted = 4.0F * turns + kNoFraction;
+  const f32x8 x = 6.28318531F * (turns - 0.25F * (shifted - kNoFraction));
   const f32x8 z = x * x;
   const f32x8 s = x + x * z * (-0.166666507F + z * (0.00833197866F - z * 0.000194956362F));
   const f32x8 c = 1.0F + z * (-0.499998948F + z * (0.0416562946F - z * 0.00135978231F));
@@ -84,7 +83,7 @@ bool ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
     const u64x8 place_hash = mix_words(place ^ ground.seed);
     auto [x, z] = centre_of(place, kind);
     if (owned) {
-      const f64x8 side = as_doubles(((((kind >> 8) & 0xffff) ^ 0x8000) - std::uint64_t{0x8000 - 1023}) << 52);
+      const f64x8 side = side_of_cell(kind);
       x += (jitter<f64x8>(place_hash, 0) - 0.5) * side;
       z += (jitter<f64x8>(place_hash, 16) - 0.5) * side;
     }

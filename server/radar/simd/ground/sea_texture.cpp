@@ -57,12 +57,12 @@ struct Along {
 };
 /// at: sides of the lattice from the middle between `node` and the next.
 OBLIQ_INLINE Along along(f32x16 at, std::uint32_t node) {
-  constexpr float kWhole = 0x1.8p23F;  // added to a number, it leaves no bits behind the point
-  const f32x16 shifted = at + kWhole;
-  const f32x16 b = at - (shifted - kWhole);
+  const f32x16 shifted = at + kNoFraction;
+  const f32x16 b = at - (shifted - kNoFraction);
   const f32x16 q = b * b;
   Along to;
-  to.node = OBLIQ_ISA::bits_as<std::uint32_t>(shifted) + (node - __builtin_bit_cast(std::uint32_t, kWhole));
+  to.node =
+      OBLIQ_ISA::bits_as<std::uint32_t>(shifted) + (node - __builtin_bit_cast(std::uint32_t, kNoFraction));
   to.middle = (0.707142919F - 0.711463989F * q) - (q * q) * (0.274405608F + 0.773155623F * q);  // to 5e-5
   to.low = to.middle - b;
   to.high = to.middle + b;

@@ -80,6 +80,10 @@ OBLIQ_INLINE Real nearest_integer(Real x) {
   return (x + kShift) - kShift;
 }
 
+/// Added to a float, |x| < 2^22, it leaves no bits behind the point: the nearest integer stands in the last
+/// ones.
+constexpr float kNoFraction = 0x1.8p23F;
+
 /// Two neighbours in an array.
 template <typename Real>
 struct Pairs {

@@ -24,8 +24,8 @@ OBLIQ_LANES Lanes<float, n> permuted(const float* from, Lanes<T, n> at) {
   return gather(from, at);
 }
 
-/// from[at] and from[at + 1] of the lanes in `wanted`; other lanes may ask for anything and get anything. The
-/// window follows what is wanted.
+/// from[at] and from[at + 1] of the lanes in `wanted`, at from 0 on; of other lanes anything. The window
+/// follows what is wanted.
 template <int n>
 OBLIQ_INLINE Pairs<Lanes<float, n>> gather_pairs(const float* from, Lanes<std::int32_t, n> at,
                                                  Lanes<MaskOf<float>, n> wanted, TableWindow& window) {
@@ -53,8 +53,7 @@ OBLIQ_INLINE Pairs<Lanes<float, n>> gather_pairs(const float* from, Lanes<std::i
                 joined(permuted(here + 1, low_half(in)), permuted(here + 1, high_half(in)))};
     }
   }
-  const auto inside = select(wanted, at, Lanes<std::int32_t, n>{});
-  return {gather(from, inside), gather(from + 1, inside)};
+  return {gather(from, at), gather(from + 1, at)};
 }
 
 #endif

@@ -14,8 +14,7 @@ OBLIQ_INLINE Lanes<float, n> magnitude(Lanes<float, n> x) {
 /// The nearest whole number, of those below 2^22.
 template <int n>
 OBLIQ_INLINE Lanes<float, n> rounded(Lanes<float, n> x) {
-  constexpr float kShift = 12582912.0F;  // 1.5 x 2^23
-  return (x + kShift) - kShift;
+  return (x + kNoFraction) - kNoFraction;
 }
 /// Less whole periods.
 template <int n>
