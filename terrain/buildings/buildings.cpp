@@ -1,7 +1,6 @@
 #include "terrain/buildings/buildings.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "terrain/base/hash.h"
@@ -9,13 +8,6 @@
 
 namespace obliq {
 namespace {
-
-/// The least float that is not less than x, x >= 0.
-float rounded_up(double x) {
-  const auto nearest = static_cast<float>(x);
-  if (!(static_cast<double>(nearest) < x)) return nearest;
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(nearest) + 1);
-}
 
 double reach_of(glm::vec2 corner, glm::dvec2 centre) {
   return std::max(std::abs(static_cast<double>(corner.x) - centre.x),
@@ -29,21 +21,19 @@ BuildingFace Buildings::face(std::uint32_t building, std::uint32_t index) const 
   BuildingFace face;
   face.identity = mix64(of.identity + (index - of.first_face));
   face.wall = index != of.first_face;
-  double reach = 0;
   if (face.wall) {
     const WallEdge edge = edge_of_wall(*this, building, index);
     const glm::dvec2 middle = (glm::dvec2(ring_xz_m[edge.from]) + glm::dvec2(ring_xz_m[edge.to])) / 2.0;
     face.centre_m = glm::dvec3(middle.x, of.walls_y_m, middle.y);
-    reach =
+    face.reach_m =
         std::max(reach_of(ring_xz_m[edge.from], middle), static_cast<double>(of.roof_y_m) - face.centre_m.y);
   } else {
     face.centre_m = glm::dvec3(of.centre_m.x, static_cast<double>(of.roof_y_m), of.centre_m.y);
     const std::uint32_t first = first_corner(building);
     const std::uint32_t n = of.n_rings == 1 ? of.n_faces - 1 : static_cast<std::uint32_t>(outline(of).size());
     for (std::uint32_t k = first; k < first + n; ++k)
-      reach = std::max(reach, reach_of(ring_xz_m[k], of.centre_m));
+      face.reach_m = std::max(face.reach_m, reach_of(ring_xz_m[k], of.centre_m));
   }
-  face.reach_m = rounded_up(reach);
   return face;
 }
 

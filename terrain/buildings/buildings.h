@@ -18,7 +18,7 @@ constexpr std::uint32_t kNoFace = 0xffffffffu;  ///< instead of a face's index: 
 struct BuildingFace {
   glm::dvec3 centre_m{0.0};    ///< world frame; the face's fixed phase reference point
   std::uint64_t identity = 0;  ///< hash of the face's geometry: the same whatever else is loaded
-  float reach_m = 0;           ///< no point of it is farther from its centre along any axis; rounded up
+  double reach_m = 0;          ///< no point of it is farther from its centre along any axis
   bool wall = false;
 };
 

@@ -151,8 +151,8 @@ const std::array kParameters{
         "Planes in each azimuth bin, of the sweep, where frustum.pixel_columns is not named beside it; 0: as "
         "frustum.quality says. Planes follow the bins, so that a narrower sector of fewer bins costs less."),
     row<&RadarSettings::sub_columns>("frustum.sub_columns", "", closed(0, 1024), "sub_columns", {260, u16},
-                                     "Parts of an azimuth bin that see its buildings, of the sweep; 16 or "
-                                     "more, a power of two or the next "
+                                     "The most parts of an azimuth bin that see its buildings, of the sweep; "
+                                     "where parts of 1.5 m are fewer, these do. A multiple of 16 or the next "
                                      "one; 0: exact planes at each building."),
     row<&RadarSettings::azimuth_bins>("bins.azimuth", "", closed(1, 8192), "azimuth_bins", {254, u16},
                                       "Azimuth bins in the sector."),

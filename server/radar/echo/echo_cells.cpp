@@ -33,6 +33,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   table_.elevation = plan.antenna_gain().elevation();
   table_.sines = plan.antenna_gain().keeps_elevation();
   const glm::dvec3& antenna = plan.sector().antenna_m;
+  face_bins_ = {antenna.x, antenna.y, antenna.z, speckle.cells_per_m(), speckle.owners(), {}};
   where_ = {};
   where_.antenna_x_m = antenna.x;
   where_.antenna_z_m = antenna.z;
@@ -49,6 +50,7 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
 
 void EchoCells::restart(int first_azimuth) {
   bins_.restart(first_azimuth);
+  face_bins_.edges = bins_.edges();
   const std::size_t n = BinSums::index(0, plan_.bins().n_range);
   fill(shadow_, n, 0);
   if (bins_.has_voltages()) {
@@ -179,10 +181,9 @@ void EchoCells::add_with_voltages(int n, const float* sine) {
 
 void EchoCells::add(int profile, const FaceEcho& echo) {
   if (surfaces_ == Surfaces::ground) return;
-  const double range2 = echo.range_m * echo.range_m;
-  double power_w = table_.factor * echo.solid_angle_sr * (table_.range_normalisation ? range2 : 1 / range2);
-  if (table_.elevation.gain != nullptr) power_w *= elevation_gain2(echo.at_m, echo.range_m);
-  put_face(profile, echo, power_w, (echo.at_m.y - plan_.sector().antenna_m.y) / echo.range_m);
+  put_face(profile, echo,
+           table_.elevation.gain == nullptr ? echo.solid_angle_sr
+                                            : echo.solid_angle_sr * elevation_gain2(echo.at_m, echo.range_m));
 }
 
 void EchoCells::add(int profile, const FacePower& echo) {
@@ -191,8 +192,7 @@ void EchoCells::add(int profile, const FacePower& echo) {
   const FaceEcho whole{
       echo.range_bin,         building,   echo.face, echo.material, 0, echo.range_m / echo.power, 0,
       echo.at_m / echo.power, echo.corner};
-  put_face(profile, whole, table_.factor * echo.power,
-           (whole.at_m.y - plan_.sector().antenna_m.y) / whole.range_m);
+  put_face(profile, whole, echo.power);
 }
 
 double EchoCells::power_of(double cross_section_m2, double range_m, const glm::dvec3& at_m) const {
@@ -208,40 +208,66 @@ double EchoCells::elevation_gain2(const glm::dvec3& at_m, double range_m) const 
   return gain * gain;
 }
 
-void EchoCells::put_face(int profile, const FaceEcho& echo, double power_w, double sine) {
+void EchoCells::put_face(int profile, const FaceEcho& echo, double light) {
   const int k = faces_.n++;
   faces_.at[k] = static_cast<std::uint32_t>(BinSums::index(profile, echo.range_bin));
   faces_.material[k] = echo.material;
-  faces_.power_w[k] = power_w;
+  faces_.light[k] = light;
   faces_.sec2[k] = echo.sec2_incidence;
-  const glm::dvec3 offset = echo.at_m - plan_.sector().antenna_m;
-  face_sine_[k] = plan_.antenna_gain().kept_sine(sine, offset.x, offset.z, echo.range_m);
+  faces_.range_m[k] = echo.range_m;
+  if (table_.sines) {
+    const glm::dvec3 offset = echo.at_m - plan_.sector().antenna_m;
+    face_sine_[k] = plan_.antenna_gain().kept_sine(offset.y / echo.range_m, offset.x, offset.z, echo.range_m);
+  }
   if (labels() == LabelParts::all)
     face_height_m_[k] =
         datum_.height_w(echo.at_m.x - where_.antenna_x_m, echo.at_m.z - where_.antenna_z_m, echo.at_m.y, 1);
   if (bins_.has_voltages()) {
-    const SpeckleField::OnFace scatterer =
-        speckle_.on_face(echo.range_m, echo.at_m, echo.building, echo.face, echo.material, echo.corner);
-    const glm::dvec3 from_antenna = scatterer.reference_m - plan_.sector().antenna_m;
-    faces_.x_m[k] = from_antenna.x;
-    faces_.y_m[k] = from_antenna.y;
-    faces_.z_m[k] = from_antenna.z;
-    faces_.hash[k] = scatterer.hash;
-    faces_.whole[k] = scatterer.whole ? 1 : 0;
+    faces_.x_m[k] = echo.at_m.x;
+    faces_.y_m[k] = echo.at_m.y;
+    faces_.z_m[k] = echo.at_m.z;
+    faces_.given[k] = echo.corner ? 1 : 0;
+    if (echo.corner)
+      put_on_face(k, speckle_.on_corner(echo.range_m, echo.at_m, echo.building, echo.face, echo.material));
+    else if (k > 0 && echo.face == face_[k - 1] && faces_.given[k - 1] == 0)
+      put_on_same_face(k);
+    else
+      put_on_face(k, speckle_.on_face(echo.building, echo.face));
+    face_[k] = echo.face;
   }
   ++echoes_;
   if (faces_.n == FaceEchoes::kMost) take_faces();
 }
 
+void EchoCells::put_on_face(int k, const SpeckleField::OnFace& of) {
+  faces_.centre_x_m[k] = of.centre_m.x;
+  faces_.centre_y_m[k] = of.centre_m.y;
+  faces_.centre_z_m[k] = of.centre_m.z;
+  faces_.reach_m[k] = of.reach_m;
+  faces_.hash[k] = of.hash;
+  faces_.wall[k] = of.wall ? 1 : 0;
+}
+
+/// As the one before: a face's echoes come one after the other.
+void EchoCells::put_on_same_face(int k) {
+  faces_.centre_x_m[k] = faces_.centre_x_m[k - 1];
+  faces_.centre_y_m[k] = faces_.centre_y_m[k - 1];
+  faces_.centre_z_m[k] = faces_.centre_z_m[k - 1];
+  faces_.reach_m[k] = faces_.reach_m[k - 1];
+  faces_.hash[k] = faces_.hash[k - 1];
+  faces_.wall[k] = faces_.wall[k - 1];
+}
+
 void EchoCells::take_faces() {
-  double re[FaceEchoes::kMost];
-  double im[FaceEchoes::kMost];
   ask(kAScatterer * faces_.n);
-  active_kernels().face_voltages(table_, plan_.wavelength_m(), {speckle_.owners(), bins_.edges()}, faces_, re,
-                                 im);
+  active_kernels().face_powers(table_, faces_);
+  if (bins_.has_voltages()) active_kernels().face_voltages(plan_.wavelength_m(), face_bins_, faces_);
   for (int k = 0; k < faces_.n; ++k) {
-    bins_.add(faces_.at[k], faces_.power_w[k], faces_.power_w[k] * face_sine_[k]);
-    bins_.add_voltage(faces_.at[k], re[k], im[k]);
+    const double sine_w = faces_.power_w[k] * face_sine_[k];
+    if (bins_.has_voltages())
+      bins_.add(faces_.at[k], faces_.power_w[k], sine_w, faces_.re[k], faces_.im[k]);
+    else
+      bins_.add(faces_.at[k], faces_.power_w[k], sine_w);
     bins_.labels().add(faces_.at[k], faces_.power_w[k], static_cast<std::uint8_t>(faces_.material[k]), true,
                        [&] { return faces_.power_w[k] * face_height_m_[k]; });
   }

@@ -99,7 +99,9 @@ class EchoCells {
   };
   /// Echoes of the list; sine: times light.
   void add_with_voltages(int n, const float* sine);
-  void put_face(int profile, const FaceEcho& echo, double power_w, double sine);
+  void put_face(int profile, const FaceEcho& echo, double light);
+  void put_on_face(int k, const SpeckleField::OnFace& of);
+  void put_on_same_face(int k);
   double elevation_gain2(const glm::dvec3& at_m, double range_m) const;
   void take_faces();
   PiecesOfBins pieces_of_bins() const;
@@ -125,7 +127,9 @@ class EchoCells {
   std::uint64_t list_kind_[kList];
   double list_power_w_[kList]{};
   FaceEchoes faces_{};
-  double face_sine_[FaceEchoes::kMost];
+  FaceBins face_bins_{};
+  std::uint32_t face_[FaceEchoes::kMost];
+  double face_sine_[FaceEchoes::kMost]{};
   double face_height_m_[FaceEchoes::kMost];
 
   // Of labels.

@@ -15,9 +15,6 @@ namespace {
 /// Cells of 1 mm at least, so that cell numbers fit 32 bits within 2,000 km.
 constexpr int kFinestLevel = -10;
 
-/// Of a face from its centre, so that they fit 21 bits.
-constexpr double kMostCells = 0xfffff;
-
 /// 2^level.
 double side_of(const Scatterer& s) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(s.level + 1023) << 52);
@@ -65,19 +62,13 @@ Scatterer SpeckleField::of_face(double slant_range_m, const glm::dvec3& at_m, co
   s.corner = corner;
   const auto octave = static_cast<int>(octave_of(slant_range_m));
   const double cells_per_m = cells_per_m_[octave];
-  if (static_cast<double>(of.reach_m) * cells_per_m <= 0.5) {
-    s.level = Scatterer::kWholeFace;
-    return s;
-  }
-  s.level = level_of_octave_[octave];
-  // The centre is in the middle of a cell: no wall runs along the edge between two.
-  const auto cell = [&](double from_centre_m) {
-    return static_cast<std::int32_t>(
-        std::clamp(std::floor(from_centre_m * cells_per_m + 0.5), -kMostCells, kMostCells));
-  };
-  s.x_cell = cell(at_m.x - of.centre_m.x);
-  s.z_cell = cell(at_m.z - of.centre_m.z);
-  if (of.wall && !corner) s.y_cell = cell(at_m.y - of.centre_m.y);
+  const glm::dvec3 from_centre_m = at_m - of.centre_m;
+  const FaceCell<double> cell = cell_on_face(from_centre_m.x, from_centre_m.y, from_centre_m.z, of.reach_m,
+                                             cells_per_m, of.wall && !corner);
+  s.level = cell.whole ? Scatterer::kWholeFace : level_of_octave_[octave];
+  s.x_cell = static_cast<std::int32_t>(cell.x);
+  s.y_cell = static_cast<std::int32_t>(cell.y);
+  s.z_cell = static_cast<std::int32_t>(cell.z);
   return s;
 }
 
@@ -92,13 +83,12 @@ glm::dvec3 SpeckleField::reference_on(const BuildingFace& of, std::uint32_t buil
   return at_m;
 }
 
-SpeckleField::OnFace SpeckleField::on_face(double slant_range_m, const glm::dvec3& at_m,
-                                           std::uint32_t building, std::uint32_t face, std::uint8_t material,
-                                           bool corner) const {
+SpeckleField::OnFace SpeckleField::on_corner(double slant_range_m, const glm::dvec3& at_m,
+                                             std::uint32_t building, std::uint32_t face,
+                                             std::uint8_t material) const {
   const BuildingFace of = world_.buildings.face(building, face);
-  const Scatterer s = of_face(slant_range_m, at_m, of, face, material, corner);
-  return {corner || s.level == Scatterer::kWholeFace, hash_on(of.identity, s, 0),
-          reference_on(of, building, s)};
+  const Scatterer s = of_face(slant_range_m, at_m, of, face, material, true);
+  return {reference_on(of, building, s), 0, hash_on(of.identity, s, 0), false};
 }
 
 std::uint64_t SpeckleField::hash(const Scatterer& s, std::uint64_t owner) const {
@@ -114,7 +104,7 @@ std::uint64_t SpeckleField::hash_on(std::uint64_t identity, const Scatterer& s, 
     return other == 0 ? of_face : mix64(of_face ^ other);
   }
   const ScattererKey key(s);
-  return mix64(mix64(of_face ^ key.place) ^ ((key.kind & 0xffffffffull) | owner));
+  return hash_of_face_cell<std::uint64_t>(of_face, key.place, (key.kind & 0xffffffffull) | owner);
 }
 
 SpeckleField::Draw SpeckleField::draw(const Scatterer& s, const glm::dvec3& from_antenna,

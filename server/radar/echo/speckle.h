@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/radar/simd/echoes/bin_samples.h"
+#include "server/radar/simd/echoes/face_cell.h"
 #include "server/radar/simd/ground/ground_speckle.h"
 #include "server/radar/simd/lanes/exact_math.h"
 #include "server/scene/exact_hit.h"
@@ -42,11 +43,11 @@ struct ScattererKey {
   explicit ScattererKey(std::uint64_t place_bits, std::uint64_t kind_bits)
       : place(place_bits), kind(kind_bits) {}
   explicit ScattererKey(const Scatterer& s)
-      : place(s.face == kNoFace ? static_cast<std::uint64_t>(static_cast<std::uint32_t>(s.x_cell)) << 32 |
-                                      static_cast<std::uint32_t>(s.z_cell)
-                                : (static_cast<std::uint64_t>(s.x_cell) & 0x1fffff) << 43 |
-                                      (static_cast<std::uint64_t>(s.y_cell) & 0x1fffff) << 22 |
-                                      (static_cast<std::uint64_t>(s.z_cell) & 0x3fffff)),
+      : place(s.face == kNoFace
+                  ? static_cast<std::uint64_t>(static_cast<std::uint32_t>(s.x_cell)) << 32 |
+                        static_cast<std::uint32_t>(s.z_cell)
+                  : place_on_face(static_cast<std::uint64_t>(s.x_cell), static_cast<std::uint64_t>(s.y_cell),
+                                  static_cast<std::uint64_t>(s.z_cell))),
         kind(static_cast<std::uint64_t>(s.face) << 32 | (s.corner ? kCorner : 0) |
              static_cast<std::uint32_t>(static_cast<std::uint16_t>(s.level)) << 8 | s.material) {}
   std::uint32_t face() const { return static_cast<std::uint32_t>(kind >> 32); }
@@ -86,15 +87,22 @@ class SpeckleField {
   Scatterer scatterer(double slant_range_m, const glm::dvec3& at_m, std::uint32_t face,
                       std::uint8_t material) const;
 
-  /// A scatterer on a face, and what its voltage takes: bits of its amplitude and phase in its own bin, and
-  /// where its phase is taken.
+  /// What the scatterers of a face have in common (FaceEchoes).
   struct OnFace {
-    bool whole;  ///< or a corner: of unit modulus
-    std::uint64_t hash;
-    glm::dvec3 reference_m;
+    glm::dvec3 centre_m;
+    double reach_m;
+    std::uint64_t hash;  ///< of the whole face
+    bool wall;
   };
-  OnFace on_face(double slant_range_m, const glm::dvec3& at_m, std::uint32_t building, std::uint32_t face,
-                 std::uint8_t material, bool corner = false) const;
+  OnFace on_face(std::uint32_t building, std::uint32_t face) const {
+    const BuildingFace of = world_.buildings.face(building, face);
+    return {of.centre_m, of.reach_m, mix64(seed_ ^ of.identity), of.wall};
+  }
+  /// The scatterer of a wall's corner with the ground, that of corner(), as if it were a face.
+  OnFace on_corner(double slant_range_m, const glm::dvec3& at_m, std::uint32_t building, std::uint32_t face,
+                   std::uint8_t material) const;
+  /// Of the side of cells, by octave of slant range: [64].
+  const double* cells_per_m() const { return cells_per_m_; }
 
   /// The scatterer of a wall's corner with the ground, at a place of its foot. One a cell of the wall's
   /// length.

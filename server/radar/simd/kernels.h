@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/radar/simd/buildings/circles.h"
+#include "server/radar/simd/buildings/face_places.h"
 #include "server/radar/simd/buildings/sub_columns.h"
 #include "server/radar/simd/echoes/bin_samples.h"
 #include "server/radar/simd/echoes/face_voltages.h"
@@ -34,6 +35,8 @@ namespace obliq {
   K(texture_echoes)       \
   K(profile_nodes)        \
   K(see_part)             \
+  K(face_places)          \
+  K(face_powers)          \
   K(face_voltages)        \
   K(mark_visible_ranges)  \
   K(ground_plates)        \

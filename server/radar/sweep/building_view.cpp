@@ -13,12 +13,14 @@ namespace {
 
 constexpr float kFarBelow = -1e9F;
 
+constexpr int kLanes = SubColumns::kLeastLanes;
+
 // In units of ask(): to collect a building, and to see a corner of a part in sixteen sub-columns.
 constexpr int kABuilding = 20;
 constexpr int kAPart = 8;
 
 /// Of a sub-column, as far as there may be so many.
-constexpr double kWidest_m = 1.2;
+constexpr double kWidest_m = 1.5;
 
 /// Prefetch distance in buildings.
 constexpr std::size_t kAskAhead = 16;
@@ -27,6 +29,8 @@ constexpr std::size_t kAskAhead = 16;
 constexpr float kClip_m = 50;
 
 float as_float(double x) { return static_cast<float>(x); }
+
+int whole_registers(int lanes) { return (std::max(1, lanes) + kLanes - 1) / kLanes * kLanes; }
 
 }  // namespace
 
@@ -41,11 +45,8 @@ BuildingView::BuildingView(const ScenePlan& plan, const NearBuildings& near,
       lowest_slope_(lowest_slope_in_swath(plan)) {
   const BinGrid& bins = plan.bins();
   const HeightGrid& grid = plan.scene().world().grid;
-  const auto power_of_two = [](int n) {
-    return static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(16, n))));
-  };
-  least_n_ = power_of_two(planes_);
-  most_n_ = std::max(least_n_, power_of_two(plan.settings().sub_columns));
+  least_n_ = whole_registers(planes_);
+  most_n_ = std::max(least_n_, whole_registers(plan.settings().sub_columns));
   half_ = as_float(std::tan(bins.azimuth_width_rad / 2));
 
   // Half a cell apart, or half a bin: finer nodes change nothing that E shows but near the antenna.
@@ -86,9 +87,10 @@ SinCos BuildingView::bearing(double position) const {
 
 /// The same for the faces of the next parts.
 [[gnu::always_inline]] inline void BuildingView::ask_for_faces(std::size_t from) const {
+  if (from + 2 * kAskAhead < parts_.size()) __builtin_prefetch(&by_distance(from + 2 * kAskAhead));
   if (from + kAskAhead >= parts_.size()) return;
   const Buildings& all = plan_.scene().world().buildings;
-  const Part& part = parts_[from + kAskAhead];
+  const Part& part = by_distance(from + kAskAhead);
   __builtin_prefetch(&all.list[part.building]);
   plan_.seen().ask_for(part.building);
   // first_corner() of the building, whose record need not be there yet.
@@ -105,17 +107,31 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
     ask_for_buildings(k);
     if (!near_.has(buildings_[k])) collect(buildings_[k]);
   }
-  std::ranges::sort(parts_, [](const Part& p, const Part& q) {
-    ask(1);
-    return p.order < q.order;
-  });
+  sort_by_distance();
+  // A shape is read in other pieces than it is written: it is written well before.
+  if (!parts_.empty()) fill_shape(by_distance(0), shapes_[0]);
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     ask_for_faces(k);
-    see(parts_[k], cells);
+    if (k + 1 < parts_.size()) fill_shape(by_distance(k + 1), shapes_[(k + 1) % 2]);
+    see(by_distance(k), shapes_[k % 2], cells);
   }
+  put_faces(cells);
   add_parts_together(cells);
   corner_view_.put(profile, cells);
   return true;
+}
+
+void BuildingView::sort_by_distance() {
+  constexpr std::size_t kMany = kMostWork / 32;  // to ask once a comparison slows it down by half
+  if (order_.size() < kMany) {
+    ask(16 * static_cast<std::int64_t>(order_.size()));
+    std::ranges::sort(order_);
+  } else {
+    std::ranges::sort(order_, [](std::uint64_t p, std::uint64_t q) {
+      ask(1);
+      return p < q;
+    });
+  }
 }
 
 /// Those behind the near ones see what these hide in the middle of each sub-column.
@@ -125,14 +141,17 @@ void BuildingView::see_near(int azimuth_bin, EchoCells& cells) {
   for (int k = 0; k < columns_.n; ++k)
     roofs_[static_cast<std::size_t>(k)] =
         near_view_.roof_slope(from_rad + plan_.bins().azimuth_width_rad * (k + 0.5) / columns_.n);
+  if (corner_view_.wanted()) shades_.assign(roofs_.begin(), roofs_.end());
 }
 
 /// Begins with another azimuth bin.
 void BuildingView::start(int azimuth_bin, int profile) {
   profile_ = profile;
   of_parts_.clear();
+  pieces_.n = 0;
   corners_.clear();
   parts_.clear();
+  order_.clear();
   centre_ = bearing(azimuth_bin + 0.5);
   set_out(centre_);
   const double cells_per_m = 1 / plan_.scene().world().grid.cell_m;
@@ -160,18 +179,19 @@ void BuildingView::set_out(SinCos centre) {
                      as_float(-centre.sin / grid.cell_m)};
   fill(hidden_, hidden_.size(), 0);
   roofs_.assign(static_cast<std::size_t>(least_n_), kFarBelow);
+  if (corner_view_.wanted()) shades_ = roofs_;
   set_fineness(least_n_);
 }
 
 void BuildingView::set_fineness(int n) {
   columns_.n = n;
-  columns_.log2_n = std::countr_zero(static_cast<unsigned>(n));
   columns_.left = -half_;
   columns_.width = 2 * half_ / static_cast<float>(n);
   columns_.width_rad = as_float(plan_.bins().azimuth_width_rad / n);
   columns_.roofs = roofs_.data();
+  columns_.shades = shades_.empty() ? nullptr : shades_.data();
   per_plane_.assign(static_cast<std::size_t>(planes_), 0);
-  for (int k = 0; k < n; ++k) per_plane_[static_cast<std::size_t>(k * planes_ >> columns_.log2_n)] += 1;
+  for (int k = 0; k < n; ++k) per_plane_[static_cast<std::size_t>(plane_of(k, planes_, n))] += 1;
   for (float& share : per_plane_) share = 1 / share;
   columns_.per_plane = per_plane_.data();
 }
@@ -180,15 +200,18 @@ void BuildingView::set_fineness(int n) {
 /// nearer must not depend on where the swath ends.
 void BuildingView::refine(float near_m) {
   const double width_m = static_cast<double>(near_m) * plan_.bins().azimuth_width_rad;
-  int wanted = columns_.n;
-  while (wanted < most_n_ && width_m > kWidest_m * wanted) wanted *= 2;
-  while (columns_.n < wanted) {
-    std::vector<float> finer;
-    finer.reserve(roofs_.size() * 2);
-    for (const float slope : roofs_) finer.insert(finer.end(), {slope, slope});
-    roofs_ = std::move(finer);
-    set_fineness(columns_.n * 2);
+  if (columns_.n >= most_n_ || width_m <= kWidest_m * columns_.n) return;
+  const int n = std::min(most_n_, whole_registers(static_cast<int>(std::ceil(width_m / kWidest_m))));
+  for (std::vector<float>* slopes : {&roofs_, &shades_}) {
+    if (slopes->empty()) continue;
+    coarser_.assign(slopes->begin(), slopes->end());
+    slopes->resize(static_cast<std::size_t>(n));
+    // What hides the middle of the new one.
+    for (int k = 0; k < n; ++k)
+      (*slopes)[static_cast<std::size_t>(k)] =
+          coarser_[static_cast<std::size_t>((2 * k + 1) * columns_.n / (2 * n))];
   }
+  set_fineness(n);
 }
 
 void BuildingView::collect(std::uint32_t b) {
@@ -244,10 +267,10 @@ void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::si
     return;
   }
   // The bits of positive floats are in the order of the floats.
-  const std::uint64_t order = static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(near_m)) << 32 |
-                              static_cast<std::uint32_t>(parts_.size());
+  order_.push_back(static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(near_m)) << 32 |
+                   static_cast<std::uint32_t>(parts_.size()));
   const float antenna_y_m = columns_.ground.antenna_y_m;
-  parts_.push_back({order, building, of.first_face, of.roof_y_m - antenna_y_m, of.base_y_m - antenna_y_m,
+  parts_.push_back({near_m, building, of.first_face, of.roof_y_m - antenna_y_m, of.base_y_m - antenna_y_m,
                     of.material, one_of_several, static_cast<std::uint32_t>(first),
                     static_cast<std::uint32_t>(n), from, to});
 }
@@ -270,126 +293,40 @@ void BuildingView::clip(std::size_t first) {
   }
 }
 
-void BuildingView::fill_shape(const Part& part) {
+void BuildingView::fill_shape(const Part& part, ConvexShape& shape) const {
   const Corner* const corner = corners_.data() + part.first;
-  shape_.n = static_cast<int>(part.n);
+  shape.n = static_cast<int>(part.n);
   for (std::uint32_t k = 0; k <= part.n; ++k) {
     const Corner& c = corner[k < part.n ? k : 0];
-    shape_.right_m[k] = c.right_m;
-    shape_.ahead_m[k] = c.ahead_m;
-    shape_.tangent[k] = c.tangent;
+    shape.right_m[k] = c.right_m;
+    shape.ahead_m[k] = c.ahead_m;
+    shape.tangent[k] = c.tangent;
   }
-  shape_.walls = 0;
+  shape.walls = 0;
   for (std::uint32_t k = 0; k < part.n; ++k)
-    if (corner[k].face != kNoFace) shape_.walls |= std::uint64_t{1} << k;
-  shape_.roof_m = part.roof_m;
-  shape_.base_m = part.base_m;
+    if (corner[k].face != kNoFace) shape.walls |= std::uint64_t{1} << k;
+  shape.roof_m = part.roof_m;
+  shape.base_m = part.base_m;
 }
 
-void BuildingView::see(const Part& part, EchoCells& cells) {
-  fill_shape(part);
-  refine(part.near_m());
+void BuildingView::see(const Part& part, const ConvexShape& shape, EchoCells& cells) {
+  refine(part.near_m);
   const auto column_of = [&](float tangent) {
     const float at = (tangent + half_) / columns_.width;
     return static_cast<int>(std::clamp(at, 0.0F, static_cast<float>(columns_.n - 1)));
   };
-  constexpr int kLanes = 16;
   const int from = column_of(part.from);
   const int end = column_of(part.to) + 1;
-  const int lanes = (end - from + kLanes - 1) / kLanes * kLanes;
+  const int lanes = whole_registers(end - from);
   ask(kAPart * lanes / kLanes * static_cast<std::int64_t>(part.n));
-  int first = std::min(from, columns_.n - lanes);
-  if (first < 0) first = 0;
+  const int first = std::max(0, std::min(from, columns_.n - lanes));
   echoes_.n = 0;
-  if (corner_view_.wanted()) see_corners(part);
-  for (int k = first; k < std::min(first + lanes, columns_.n); k += kLanes)
-    active_kernels().see_part(columns_, shape_, k, std::min(kLanes, end - k), echoes_);
-  if (echoes_.n > 0) add_echoes(part, cells);
-}
-
-void BuildingView::add_echoes(const Part& part, EchoCells& cells) {
-  plan_.seen().mark(part.building);
-  // Sixteen sub-columns at a time: what several of them saw of a face in a bin is one echo.
-  PartEchoes::Echo* const begin = echoes_.echo;
-  PartEchoes::Echo* end = begin + echoes_.n;
-  if (part.to - part.from > 16 * columns_.width) {
-    std::sort(begin, end, [](const PartEchoes::Echo& p, const PartEchoes::Echo& q) {
-      return p.edge != q.edge ? p.edge < q.edge : p.bin < q.bin;
-    });
-    PartEchoes::Echo* last = begin;
-    for (PartEchoes::Echo* echo = begin + 1; echo < end; ++echo) {
-      if (echo->edge == last->edge && echo->bin == last->bin) {
-        last->solid_angle_sr += echo->solid_angle_sr;
-        last->tangent_sr += echo->tangent_sr;
-      } else {
-        *++last = *echo;
-      }
-    }
-    end = last + 1;
-  }
-  for (PartEchoes::Echo* echo = begin; echo < end; ++echo) {
-    const FaceEcho face = face_echo(*echo, part);
-    if (part.one_of_several) {
-      of_parts_.push_back(face);
-    } else {
-      cells.add(profile_, face);
-    }
-  }
-}
-
-FaceEcho BuildingView::face_echo(const PartEchoes::Echo& echo, const Part& part) const {
-  const glm::dvec3& antenna = plan_.sector().antenna_m;
-  FaceEcho face{};
-  face.range_bin = echo.bin;
-  face.building = part.building;
-  face.face = echo.edge == PartEchoes::kRoof
-                  ? part.roof_face
-                  : corners_[part.first + static_cast<std::uint32_t>(echo.edge)].face;
-  face.material = part.material;
-  face.solid_angle_sr = static_cast<double>(echo.solid_angle_sr);
-  face.range_m = static_cast<double>(echo.range_m);
-  const double tangent = static_cast<double>(echo.tangent_sr) / face.solid_angle_sr;
-  const double secant2 = 1 + tangent * tangent;
-  const double range2 = face.range_m * face.range_m;
-  const double roof_m = static_cast<double>(shape_.roof_m);
-  double height_m = roof_m;
-  double plane_distance_m = std::abs(roof_m);
-  double ahead_m = std::sqrt(std::max(0.0, range2 - roof_m * roof_m) / secant2);
-  if (echo.edge != PartEchoes::kRoof) {
-    const auto e = static_cast<std::size_t>(echo.edge);
-    const double right0 = static_cast<double>(shape_.right_m[e]);
-    const double ahead0 = static_cast<double>(shape_.ahead_m[e]);
-    const double dr = static_cast<double>(shape_.right_m[e + 1]) - right0;
-    const double da = static_cast<double>(shape_.ahead_m[e + 1]) - ahead0;
-    const double cross = ahead0 * dr - right0 * da;
-    const double low = std::min(ahead0, ahead0 + da);
-    ahead_m = std::clamp(cross / (dr - tangent * da), low, low + std::abs(da));
-    plane_distance_m = cross / std::sqrt(dr * dr + da * da);
-    const double up = std::sqrt(std::max(0.0, range2 - ahead_m * ahead_m * secant2));
-    height_m = std::min(-up >= static_cast<double>(shape_.base_m) ? -up : up, roof_m);
-  }
-  const double middle = static_cast<double>(echo.middle_m);
-  face.sec2_incidence = std::max(1.0, middle * middle / std::max(plane_distance_m * plane_distance_m, 1e-6));
-  const double right_m = ahead_m * tangent;
-  face.at_m = {antenna.x + ahead_m * centre_.sin + right_m * centre_.cos, antenna.y + height_m,
-               antenna.z + ahead_m * centre_.cos - right_m * centre_.sin};
-  return face;
-}
-
-/// A face that several parts of a building share is one scatterer.
-void BuildingView::add_parts_together(EchoCells& cells) {
-  std::ranges::stable_sort(of_parts_, [](const FaceEcho& p, const FaceEcho& q) {
-    ask(2);
-    return p.face != q.face ? p.face < q.face : p.range_bin < q.range_bin;
-  });
-  for (std::size_t k = 0; k < of_parts_.size();) {
-    FaceEcho sum = of_parts_[k];
-    for (++k;
-         k < of_parts_.size() && of_parts_[k].face == sum.face && of_parts_[k].range_bin == sum.range_bin;
-         ++k)
-      sum.solid_angle_sr += of_parts_[k].solid_angle_sr;
-    cells.add(profile_, sum);
-  }
+  if (corner_view_.wanted()) see_corners(part, shape);
+  constexpr int kMost = SubColumns::kMostLanes;
+  for (int k = first; k < std::min(first + lanes, columns_.n); k += kMost)
+    active_kernels().see_part(columns_, shape, k, std::min(kMost, end - k), echoes_);
+  if (lanes > kMost) join_echoes();
+  if (echoes_.n > 0) add_echoes(part, shape, cells);
 }
 
 }  // namespace obliq

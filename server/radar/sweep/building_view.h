@@ -9,6 +9,7 @@
 
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/scene_plan.h"
+#include "server/radar/simd/buildings/face_places.h"
 #include "server/radar/simd/buildings/sub_columns.h"
 #include "server/radar/sweep/corner_view.h"
 #include "server/radar/sweep/ground_light.h"
@@ -56,7 +57,7 @@ class BuildingView {
     std::uint32_t face;  // of the wall from here to the next corner; kNoFace: an inner edge
   };
   struct Part {
-    std::uint64_t order;  // by distance, then as loaded
+    float near_m;
     std::uint32_t building;
     std::uint32_t roof_face;
     float roof_m, base_m;  // above the antenna
@@ -64,11 +65,11 @@ class BuildingView {
     bool one_of_several;
     std::uint32_t first, n;  // into corners_
     float from, to;          // tangents
-
-    float near_m() const { return std::bit_cast<float>(static_cast<std::uint32_t>(order >> 32)); }
   };
   void start(int azimuth_bin, int profile);
   void see_near(int azimuth_bin, EchoCells& cells);
+  void sort_by_distance();
+  const Part& by_distance(std::size_t k) const { return parts_[static_cast<std::uint32_t>(order_[k])]; }
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
   void ask_for_buildings(std::size_t from) const;
@@ -77,22 +78,23 @@ class BuildingView {
   void add_corner(const glm::vec2& corner, std::uint32_t face);
   void add_part(std::uint32_t building, bool one_of_several, std::size_t first_corner);
   void clip(std::size_t first_corner);
-  void see(const Part& part, EchoCells& cells);
-  void fill_shape(const Part& part);
+  void see(const Part& part, const ConvexShape& shape, EchoCells& cells);
+  void fill_shape(const Part& part, ConvexShape& shape) const;
   void refine(float near_m);
   void set_fineness(int n);
   /// Before the part hides anything.
-  void see_corners(const Part& part) {
+  void see_corners(const Part& part, const ConvexShape& shape) {
     const CornerView::Columns columns{columns_, centre_};
-    for (auto walls = corner_view_.square_walls(columns, shape_, part.near_m(), part.from, part.to);
-         walls != 0; walls &= walls - 1) {
+    for (auto walls = corner_view_.square_walls(columns, shape, part.near_m, part.from, part.to); walls != 0;
+         walls &= walls - 1) {
       const auto e = static_cast<std::uint32_t>(std::countr_zero(walls));
-      corner_view_.see(columns, shape_, static_cast<int>(e),
+      corner_view_.see(columns, shape, static_cast<int>(e),
                        {part.building, part.material, corners_[part.first + e].face});
     }
   }
-  void add_echoes(const Part& part, EchoCells& cells);
-  FaceEcho face_echo(const PartEchoes::Echo& echo, const Part& part) const;
+  void join_echoes();
+  void add_echoes(const Part& part, const ConvexShape& shape, EchoCells& cells);
+  void put_faces(EchoCells& cells);
   void add_parts_together(EchoCells& cells);
 
   const ScenePlan& plan_;
@@ -110,11 +112,21 @@ class BuildingView {
   std::span<const std::uint32_t> buildings_;
   std::vector<Corner> corners_, clipped_;
   std::vector<Part> parts_;
+  std::vector<std::uint64_t> order_;  // of parts_: by distance, then as loaded
   SubColumns columns_{};
   std::vector<float> horizon_, clearance_, range_bin_, hidden_, sine_;  // [planes][stride]
-  std::vector<float> roofs_, per_plane_;
-  ConvexShape shape_{};
+  std::vector<float> roofs_, shades_, coarser_, per_plane_;
+  ConvexShape shapes_[2]{};  // of this part and the next
   PartEchoes echoes_{};
+  /// Whose the pieces are.
+  struct Piece {
+    int range_bin;
+    std::uint32_t building, face;
+    std::uint8_t material;
+    bool one_of_several;
+  };
+  FacePieces pieces_{};
+  Piece whose_[FacePieces::kMost];
   std::vector<FaceEcho> of_parts_;  // of buildings that have several
 };
 

@@ -68,14 +68,14 @@ void CornerView::see(const Columns& columns, const ConvexShape& part, int e, con
   const auto column_of = [&](double t) {
     return std::clamp(static_cast<int>((t - left) / width), 0, all.n - 1);
   };
-  foot.plane = column_of(tangent) * all.nodes.planes >> all.log2_n;
+  foot.plane = plane_of(column_of(tangent), all.nodes.planes, all.n);
   const auto [least, greatest] =
-      std::minmax_element(all.roofs + column_of(from), all.roofs + column_of(to) + 1);
+      std::minmax_element(all.shades + column_of(from), all.shades + column_of(to) + 1);
   if (-static_cast<double>(*least) * foot.distance_m <= -foot.ground_m || !begin(foot, all.nodes)) return;
   if (is_whole(static_cast<double>(*greatest))) return light(0, 1, static_cast<double>(*greatest));
   // Neighbours that leave all of the light are one stretch.
   const int last = column_of(to);
-  const auto shade_at = [&](int column) { return static_cast<double>(all.roofs[column]); };
+  const auto shade_at = [&](int column) { return static_cast<double>(all.shades[column]); };
   for (int column = column_of(from), end = 0; column <= last; column = end) {
     end = column + 1;
     if (is_whole(shade_at(column)))

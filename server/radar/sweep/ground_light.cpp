@@ -9,67 +9,83 @@ namespace {
 /// A share below this is a sliver beside a building, no gap between two.
 constexpr double kLeastLeft = 1.0 / 64;
 
-/// One plane's profile, node by node.
-struct Nodes {
-  const float* horizon;
-  const float* range_bin;
-  const float* hidden;
-  const float* light;
-  int n;
+/// Behind every swath, in range bins: where no ground is known, nodes lie farther off still.
+constexpr float kFarBehind = 1e6F;
 
-  Nodes(const NodeProfiles& all, int plane) : n(all.n_nodes) {
+/// One plane's profile, node by node, from the antenna outwards.
+class Nodes {
+ public:
+  Nodes(const NodeProfiles& all, int plane) : n_(all.n_nodes) {
     const std::size_t first = static_cast<std::size_t>(plane) * static_cast<std::size_t>(all.stride);
-    horizon = all.horizon + first;
-    light = all.sine == nullptr ? horizon : all.sine + first;
-    range_bin = all.range_bin + first;
-    hidden = all.hidden + first;
+    horizon_ = all.horizon + first;
+    light_ = all.sine == nullptr ? horizon_ : all.sine + first;
+    range_bin_ = all.range_bin + first;
+    hidden_ = all.hidden + first;
   }
 
-  /// The first node from k on behind which something is hidden; n - 1: none.
-  int next_hidden(int k) const {
-    while (k + 1 < n && !(hidden[k] > 0)) ++k;
-    return std::min(k, n - 1);
+  /// Goes on to the next range bin, from `bin` on, in which something is hidden. False: there is none.
+  bool go_to_hidden(int& bin) {
+    const int from = k_;
+    while (k_ + 1 < n_ && !(hidden_[k_] > 0)) ++k_;
+    if (at_end()) return false;
+    bin = std::max(bin, static_cast<int>(std::floor(std::min(range_bin_[k_], kFarBehind))));
+    while (k_ > from && range_bin_[k_] > static_cast<float>(bin)) --k_;
+    return true;
+  }
+  bool at_end() const { return k_ + 1 >= n_; }
+
+  /// What is visible over terrain up to a range bin's near edge, and what buildings hide of it. Light grows
+  /// evenly from node to node. Edges come in their order.
+  struct Sum {
+    double visible, hidden;
+  };
+  Sum up_to(int edge) {
+    const auto at = static_cast<float>(edge);
+    for (; k_ + 1 < n_ && range_bin_[k_ + 1] <= at; ++k_) hidden_sum_ += hidden_light(k_);
+    const auto light = static_cast<double>(light_[k_]);
+    if (at_end() || !(range_bin_[k_] < at)) return {light, hidden_sum_};
+    const double part = (static_cast<double>(at) - static_cast<double>(range_bin_[k_])) /
+                        (static_cast<double>(range_bin_[k_ + 1]) - static_cast<double>(range_bin_[k_]));
+    return {light + part * (static_cast<double>(light_[k_ + 1]) - light),
+            hidden_sum_ + part * hidden_light(k_)};
   }
 
-  /// Of what is visible of a range bin's ground over terrain, what buildings leave. Light grows evenly
-  /// from node to node. k: a node in the bin or behind it.
-  double left_of(int bin, int k) const {
-    while (k > 0 && range_bin[k] > static_cast<float>(bin)) --k;
-    double visible = 0;
-    double gone = 0;
-    for (; k + 1 < n && range_bin[k] < static_cast<float>(bin + 1); ++k) {
-      const double from = static_cast<double>(range_bin[k]);
-      const double length = static_cast<double>(range_bin[k + 1]) - from;
-      const double rise = static_cast<double>(horizon[k + 1]) - static_cast<double>(horizon[k]);
-      if (!(length > 0 && rise > 0)) continue;
-      const bool whole = from >= bin && from + length <= bin + 1;
-      const double part =
-          whole ? 1
-                : std::clamp((std::min(from + length, bin + 1.0) - std::max(from, bin + 0.0)) / length, 0.0,
-                             1.0);
-      const double lit = static_cast<double>(light[k + 1]) - static_cast<double>(light[k]);
-      visible += part * lit;
-      if (hidden[k] > 0) gone += part * (static_cast<double>(hidden[k]) * (lit / rise));
-    }
-    return gone > 0 ? 1 - gone / visible : 1;
+ private:
+  double hidden_light(int k) const {
+    const auto hidden = static_cast<double>(hidden_[k]);
+    if (light_ == horizon_) return hidden;
+    const double rise = static_cast<double>(horizon_[k + 1]) - static_cast<double>(horizon_[k]);
+    const double lit = static_cast<double>(light_[k + 1]) - static_cast<double>(light_[k]);
+    return rise > 0 ? hidden * (lit / rise) : 0;
   }
+
+  const float* horizon_;
+  const float* range_bin_;
+  const float* hidden_;
+  const float* light_;
+  int n_;
+  int k_ = 0;  // the last node that is not behind the last edge
+  double hidden_sum_ = 0;
 };
 
 }  // namespace
 
 void keep_shares(const NodeProfiles& all, int plane, int n_range, int profile, float* kept,
                  EchoCells& cells) {
-  const Nodes nodes(all, plane);
-  int next_bin = 0;
-  for (int k = nodes.next_hidden(0); k + 1 < nodes.n && next_bin < n_range; k = nodes.next_hidden(k + 1)) {
-    const auto first = static_cast<int>(std::floor(nodes.range_bin[k]));
-    const auto last = static_cast<int>(std::floor(nodes.range_bin[k + 1]));
-    for (next_bin = std::max(next_bin, first); next_bin <= last && next_bin < n_range; ++next_bin) {
-      const double left = nodes.left_of(next_bin, k);
+  Nodes nodes(all, plane);
+  for (int bin = 0; bin < n_range && nodes.go_to_hidden(bin);) {
+    double hidden = 1;
+    for (Nodes::Sum near = nodes.up_to(bin), far; bin < n_range && !nodes.at_end() && hidden > 0; ++bin) {
+      far = nodes.up_to(bin + 1);
+      hidden = far.hidden - near.hidden;
+      const double visible = far.visible - near.visible;
+      near = far;
+      if (!(hidden > 0 && visible > 0)) continue;
+      const double left = 1 - hidden / visible;
       const bool none = !(left >= kLeastLeft);
-      kept[static_cast<std::size_t>(next_bin) * kWedgeAzimuthBins] =
+      kept[static_cast<std::size_t>(bin) * kWedgeAzimuthBins] =
           none ? 0 : static_cast<float>(std::min(1.0, left));
-      if (none) cells.mark_building_shadow(profile, next_bin);
+      if (none) cells.mark_building_shadow(profile, bin);
     }
   }
 }

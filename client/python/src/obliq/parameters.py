@@ -44,8 +44,8 @@ class Settings(Fields):
     planes_per_bin: Planes in each azimuth bin, of the sweep, where frustum.pixel_columns is not named beside it; 0: as
         frustum.quality says. Planes follow the bins, so that a narrower sector of fewer bins costs less. Allowed: integer 0
         to 1024.
-    sub_columns: Parts of an azimuth bin that see its buildings, of the sweep; 16 or more, a power of two or the next one;
-        0: exact planes at each building. Allowed: integer 0 to 1024.
+    sub_columns: The most parts of an azimuth bin that see its buildings, of the sweep; where parts of 1.5 m are fewer,
+        these do. A multiple of 16 or the next one; 0: exact planes at each building. Allowed: integer 0 to 1024.
     azimuth_bins: Azimuth bins in the sector. Allowed: integer 1 to 8192.
     range_bins: Range bins between r_min and r_max. Allowed: integer 1 to 8192.
     scan_mode: How a live radar scans: whole frames, back and forth across the sector, or round and round. Allowed: "frame"

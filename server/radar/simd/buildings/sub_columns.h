@@ -33,18 +33,23 @@ struct GroundOfBin {
 /// Sub-columns of an azimuth bin: lanes that see its buildings one after the other by distance. Directions
 /// are tangents of the azimuth from the bin's centre.
 struct SubColumns {
+  static constexpr int kLeastLanes = 16;
+  static constexpr int kMostLanes = 32;  ///< that see at a time
   GroundOfBin ground;
   NodeProfiles nodes;
-  int n;  ///< a power of two, at least 16
-  int log2_n;
+  int n;        ///< a multiple of kLeastLanes
   float left;   ///< edge of the first
   float width;  ///< of one
   float width_rad;
-  float* roofs;            ///< [n] greatest slope of what buildings hide so far
+  float* roofs;            ///< [n] greatest slope of what buildings hide so far; of a part, in part
+  float* shades;           ///< [n] the same of those that cover half of one at least; null: not wanted
   const float* per_plane;  ///< [planes] 1 / sub-columns of the plane
   float r_min_m, range_spacing_m;
   int n_range;
 };
+
+/// The plane that lies nearest to sub-column `number` of n.
+inline int plane_of(int number, int planes, int n) { return (2 * number + 1) * planes / (2 * n); }
 
 /// A convex part of a building in the bin's axes: corners counter-clockwise, the first again at the end.
 struct ConvexShape {
@@ -76,8 +81,8 @@ struct PartEchoes {
 /// Fills in the profile of one plane: its direction in cells a metre.
 OBLIQ_KERNEL(void, profile_nodes, const SubColumns&, int plane, float rate_u, float rate_v);
 
-/// Shows a part to sub-columns [first, first + count), at most 16, and to some behind them: appends what they
-/// see, and takes its shadow from the nodes and the sub-columns behind it.
+/// Shows a part to sub-columns [first, first + count), at most kMostLanes, and to some behind them: appends
+/// what they see, and takes its shadow from the nodes and the sub-columns behind it.
 OBLIQ_KERNEL(void, see_part, const SubColumns&, const ConvexShape&, int first, int count, PartEchoes&);
 
 }  // namespace obliq

@@ -63,6 +63,31 @@ OBLIQ_INLINE float folded(Lanes<float, n> x, const Join& join) {
   }
 }
 
+/// Both at a time, each as folded() does.
+template <int n, typename Join>
+OBLIQ_INLINE Pairs<float> folded(Lanes<float, n> a, Lanes<float, n> b, const Join& join) {
+  if constexpr (!OBLIQ_ISA::is_one<float, n>(nullptr)) {
+    return folded(join(a.low, a.high), join(b.low, b.high), join);
+  } else {
+    // Side by side in the halves of a register.
+    auto both = join(joined(low_half(a), low_half(b)), joined(high_half(a), high_half(b)));
+    if constexpr (n > 8) both = join(both, OBLIQ_ISA::from_within<4, n / 2>(both));
+    if constexpr (n > 4) both = join(both, OBLIQ_ISA::from_within<2, n / 2>(both));
+    both = join(both, OBLIQ_ISA::from_within<1, n / 2>(both));
+    return {both[0], both[n / 2]};
+  }
+}
+
+template <int n>
+OBLIQ_INLINE Pairs<float> sums_of(Lanes<float, n> a, Lanes<float, n> b) {
+  return folded(
+      a, b, [](auto p, decltype(p) q) __attribute__((always_inline)) { return p + q; });
+}
+template <int n>
+OBLIQ_INLINE Pairs<float> greatest_of(Lanes<float, n> a, Lanes<float, n> b) {
+  return folded(
+      a, b, [](auto p, decltype(p) q) __attribute__((always_inline)) { return max(p, q); });
+}
 template <int n>
 OBLIQ_INLINE float sum_of(Lanes<float, n> x) {
   return folded(

@@ -175,6 +175,24 @@ template <int by, typename T, int n>
   (std::make_integer_sequence<int, n>());
 }
 
+/// Each lane `by` places further back; the last of them stay where they are. Of one register.
+template <int by, typename T, int n>
+[[gnu::always_inline]] inline Lanes<T, n> moved_back(Lanes<T, n> x) {
+  return [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+    return Lanes<T, n>{__builtin_shufflevector(x.v, x.v, (k + by < n ? k + by : k)...)};
+  }
+  (std::make_integer_sequence<int, n>());
+}
+
+/// In each `group` of lanes the one that stands `by` places further on, around it. Of one register.
+template <int by, int group, typename T, int n>
+[[gnu::always_inline]] inline Lanes<T, n> from_within(Lanes<T, n> x) {
+  return [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+    return Lanes<T, n>{__builtin_shufflevector(x.v, x.v, (k / group * group + (k + by) % group)...)};
+  }
+  (std::make_integer_sequence<int, n>());
+}
+
 OBLIQ_LANES Lanes<T, n> from_memory(const Lanes<T, n>* /*type*/, const T* from) {
   Lanes<T, n> lanes;
   if constexpr (is_one<T, n>(nullptr)) {
