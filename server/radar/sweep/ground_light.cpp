@@ -64,7 +64,7 @@ class Nodes {
   const float* hidden_;
   const float* light_;
   int n_;
-  int k_ = 0;  // the last node that is not behind the last edge
+  int k_ = 0;  // a node before the next edge
   double hidden_sum_ = 0;
 };
 

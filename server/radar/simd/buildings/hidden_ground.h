@@ -17,12 +17,15 @@ OBLIQ_INLINE auto sum_of_terms(const Term& term) {
 /// off the nodes: a register of nodes at a time, one sub-column after the other. What is hidden below a
 /// node's slope, less what is below that of the node before.
 template <int n>
-OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> which, Numbers<n> plane, Numbers<n> k,
+OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> rises, Numbers<n> plane, Numbers<n> k,
                               Floats<n> cover, Floats<n> from, Floats<n> to) {
   constexpr int kNodes = kRegisterBytes / static_cast<int>(sizeof(float));
   constexpr int kGroup = 8;  // of sub-columns
   using Nodes = Floats<kNodes>;
   const NodeProfiles& nodes = columns.nodes;
+  // Before the first known ground of a plane its horizon is far below everything: there is none to hide.
+  const Where<n> which = rises & (to > -1e8F);
+  if (!any(which)) return;
   const Floats<n> none = in_all<n>(-1e9F);
   const auto [until, nearest] = greatest_of(select(which, to, none), select(which, -floats_of(k), none));
   const auto node = static_cast<int>(-nearest);
@@ -30,10 +33,7 @@ OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> which, Numbers
   const unsigned lanes = movemask(which);
   const int first_plane = plane[__builtin_ctz(lanes)];
   const int last_plane = plane[31 - __builtin_clz(lanes)];
-  // From the top of the shadow down, so that floats keep small differences.
   float from_of[n], to_of[n], share_of[n];
-  to_memory(from_of, select(which, from - until, Floats<n>{}));
-  to_memory(to_of, select(which, to - until, Floats<n>{}));
   for (int p = first_plane; p <= last_plane; ++p) {
     const Where<n> own = which & (plane == p);
     const unsigned own_lanes = movemask(own);
@@ -43,9 +43,14 @@ OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> which, Numbers
     to_memory(share_of, select(own, cover * columns.per_plane[p], Floats<n>{}));
     const float* const horizon = nodes.horizon + static_cast<std::ptrdiff_t>(p) * nodes.stride;
     float* const hidden = nodes.hidden + static_cast<std::ptrdiff_t>(p) * nodes.stride;
+    // From the top of the shadow down, where it falls on ground at all, so that floats keep small
+    // differences.
+    const float shadow_top = min(until, horizon[nodes.n_nodes - 1]);
+    to_memory(from_of, select(own, min(from - shadow_top, Floats<n>{}), Floats<n>{}));
+    to_memory(to_of, select(own, min(to - shadow_top, Floats<n>{}), Floats<n>{}));
     // Behind the node where nothing is hidden any more, and behind the last one, nothing counts.
     for (int at = node; at + 1 < nodes.n_nodes && horizon[at] < until; at += kNodes - 1) {
-      const Nodes here = load_as<Nodes>(horizon + at) - until;
+      const Nodes here = load_as<Nodes>(horizon + at) - shadow_top;
       Nodes below{};
       for (int first = first_lane; first <= last_lane; first += kGroup)
         below += sum_of_terms<kGroup>([&](int of_group) __attribute__((always_inline)) {

@@ -90,9 +90,10 @@ OBLIQ_INLINE void see_in(const SubColumns& all, const ConvexShape& shape, int fi
   if (any(roof_seen)) {
     const Floats<n> root0 = root_of(roof_from);
     const Floats<n> root1 = root_of(back);
+    const Floats<n> r1 = far * root1;
+    const Floats<n> r0 = select(roof_seen, shape.roof_m / roof_from * root0, r1);
     SeenFace<n>(all, roof_seen, PartEchoes::kRoof,
-                cover * all.width_rad * sine_step(roof_from, root0, back, root1),
-                shape.roof_m / roof_from * root0, far * root1)
+                cover * all.width_rad * sine_step(roof_from, root0, back, root1), r0, r1)
         .add_echoes(all, columns.tangent, out);
   }
   // It hides its plane's ground as if it stood there as it stands on its own.

@@ -42,7 +42,7 @@ struct SubColumns {
   float width;  ///< of one
   float width_rad;
   float* roofs;            ///< [n] greatest slope of what buildings hide so far; of a part, in part
-  float* shades;           ///< [n] the same of those that cover half of one at least; null: not wanted
+  float* shades;           ///< [n] the same of those that cover half of one at least, whole; null: not wanted
   const float* per_plane;  ///< [planes] 1 / sub-columns of the plane
   float r_min_m, range_spacing_m;
   int n_range;
@@ -53,7 +53,7 @@ inline int plane_of(int number, int planes, int n) { return (2 * number + 1) * p
 
 /// A convex part of a building in the bin's axes: corners counter-clockwise, the first again at the end.
 struct ConvexShape {
-  static constexpr int kMost = 32;
+  static constexpr int kMost = 40;  ///< kMostPartCorners and one that clipping adds, in eights
   int n;
   float right_m[kMost + 1];
   float ahead_m[kMost + 1];  ///< positive
