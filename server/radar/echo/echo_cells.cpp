@@ -37,12 +37,10 @@ EchoCells::EchoCells(const ScenePlan& plan, const ScatteringTable& scattering, c
   where_ = {};
   where_.antenna_x_m = antenna.x;
   where_.antenna_z_m = antenna.z;
-  SwathCells swath{};
-  speckle.describe_cells(swath);
   const BinGrid& bins = plan.bins();
   for (int bin = 0; bin < bins.n_range; ++bin) {
     const auto octave = static_cast<int>(octave_of((bins.edge_m(bin + 0.0) + bins.edge_m(bin + 1.0)) / 2));
-    cells_per_m_.push_back(swath.cells_per_m[octave]);
+    cells_per_m_.push_back(speckle.cells_per_m()[octave]);
   }
   where_.cells_per_m = cells_per_m_.data();
   if (labels == LabelParts::all) datum_ = {plan.scene().world().frame, {antenna}, plan.sector().r_max_m};

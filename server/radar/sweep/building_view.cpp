@@ -319,11 +319,11 @@ void BuildingView::see(const Part& part, const ConvexShape& shape, EchoCells& ce
   const int end = column_of(part.to) + 1;
   const int lanes = whole_registers(end - from);
   ask(kAPart * lanes / kLanes * static_cast<std::int64_t>(part.n));
-  const int first = std::max(0, std::min(from, columns_.n - lanes));
+  const int first = std::min(from, columns_.n - lanes);
   echoes_.n = 0;
   if (corner_view_.wanted()) see_corners(part, shape);
   constexpr int kMost = SubColumns::kMostLanes;
-  for (int k = first; k < std::min(first + lanes, columns_.n); k += kMost)
+  for (int k = first; k < first + lanes; k += kMost)
     active_kernels().see_part(columns_, shape, k, std::min(kMost, end - k), echoes_);
   if (lanes > kMost) join_echoes();
   if (echoes_.n > 0) add_echoes(part, shape, cells);

@@ -7,18 +7,6 @@
 
 namespace obliq::OBLIQ_ISA {
 
-template <int n>
-using Floats = Lanes<float, n>;
-template <int n>
-using Numbers = Lanes<std::int32_t, n>;
-template <int n>
-using Where = Lanes<MaskOf<float>, n>;
-
-template <int n>
-OBLIQ_INLINE Floats<n> in_all(float value) {
-  return every(static_cast<const Floats<n>*>(nullptr), value);
-}
-
 /// plane_of.
 template <int n>
 OBLIQ_INLINE Numbers<n> planes_of(Numbers<n> number, int planes, int columns) {

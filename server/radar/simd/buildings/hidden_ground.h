@@ -13,7 +13,7 @@ OBLIQ_INLINE auto sum_of_terms(const Term& term) {
     return sum_of_terms<n, first, 2 * step>(term) + sum_of_terms<n, first + step, 2 * step>(term);
 }
 
-/// Takes what each sub-column in `which` hides, slopes `from` to `to` of its plane's ground from node k on,
+/// Takes what each sub-column in `rises` hides, slopes `from` to `to` of its plane's ground from node k on,
 /// off the nodes: a register of nodes at a time, one sub-column after the other. What is hidden below a
 /// node's slope, less what is below that of the node before.
 template <int n>

@@ -66,12 +66,8 @@ void face_voltages(double wavelength_m, const FaceBins& bins, FaceEchoes& faces)
     const f64x8 round_trips = 2.0 * range / wavelength_m;
     const f64x8 own_turns = turns_of_hash(hash) + select(off.is_far(), f64x8{}, off.turns(hash));
     const f64x8 turns = own_turns - (round_trips - floor(round_trips));
-    const auto at = sincos_of_fraction(converted<float>(turns - nearest_integer(turns)));
-    const f32x8 drawn2 = max(-log_of_positive(converted<float>(uniform_of_hash(hash))), f32x8{});
-    const f64x8 modulus2 = select(whole, broadcast(1), converted<double>(drawn2));
-    const f32x8 amplitude = converted<float>(sqrt(load(faces.power_w + k) * modulus2));
-    store(faces.re + k, converted<double>(amplitude * at.cos));
-    store(faces.im + k, converted<double>(amplitude * at.sin));
+    const f64x8 modulus2 = select(whole, broadcast(1), modulus2_of_hash(hash));
+    store_voltage(load(faces.power_w + k) * modulus2, turns, faces.re + k, faces.im + k);
   }
 }
 

@@ -48,7 +48,7 @@ template <int n>
 OBLIQ_INLINE Floats<n> of_materials(const float* table, Floats<n> material) {
   const float first = material[0];
   if (any(material != first)) return gather(table, truncated(material));
-  return all<n>(table[static_cast<int>(first)]);
+  return in_all<n>(table[static_cast<int>(first)]);
 }
 
 /// Straight segments: (d, h) = (from + t, height + rise t), t from `at` to `end`.
@@ -84,11 +84,11 @@ template <int n>
 OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d2,
                                 Floats<n> h2, Floats<n> over_range, TableWindow& window) {
   const Where<n> water = seen & parts.water;
-  if (!any(water)) return all<n>(1.0F);
+  if (!any(water)) return in_all<n>(1.0F);
   const Floats<n> fall2 =
       d2 * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.half_sea_curve) * d2) - h2;
   const Floats<n> gamma = sea_gamma(*cut.echo.sea, 0.5F * over_range * fall2, cut.upwind, water, window);
-  return select(water, gamma, all<n>(1.0F));
+  return select(water, gamma, in_all<n>(1.0F));
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
@@ -115,14 +115,14 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
   wanted &= ~((farthest < r_min) | (nearest >= r_max));
   if (!any(wanted)) return true;
   const auto bin_of = [&](Float r) __attribute__((always_inline)) {
-    const Float at = clamp((r - r_min) * bins_per_m, all<n>(-1.0F), all<n>(n_range));
+    const Float at = clamp((r - r_min) * bins_per_m, in_all<n>(-1.0F), in_all<n>(n_range));
     return converted<float>(truncated(at + 1.0F)) - 1.0F;
   };
   const Float first_bin = bin_of(nearest);
   const Float last_bin = bin_of(farthest);
   const Float cuts = select(wanted, last_bin - first_bin, Float{});
   const Where<n> outwards = last_r > first_r;
-  const Float sign = select(outwards, all<n>(1.0F), all<n>(-1.0F));
+  const Float sign = select(outwards, in_all<n>(1.0F), in_all<n>(-1.0F));
   // Range squared grows by t (2 along + rate2 t) from where the part begins.
   const Float along = first_d + parts.rise * first_h;
   const Float along2 = along * along;
@@ -167,9 +167,9 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
       const Float over2 = turned * over;  // 1 / r01; 1 / mean r^2 is third over2^2
       const Float mean = third * over2 * over2;
       if (cut.echo.any_lobes) {
-        Float sigma =
-            cross_section_of(cut.echo, parts.material,
-                             max(1.0F / (mean * parts.plane_distance * parts.plane_distance), all<n>(1.0F)));
+        Float sigma = cross_section_of(
+            cut.echo, parts.material,
+            max(1.0F / (mean * parts.plane_distance * parts.plane_distance), in_all<n>(1.0F)));
         if (cut.raster_gamma != nullptr) sigma = as_raster_says(parts.raster_gamma, sigma);
         gain *= sigma;
       }
@@ -188,7 +188,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
       }
       Float light = gain * lit * over * (cut.echo.range_normalisation ? 1.0F / mean : mean);
       if (cut.kept[0] != nullptr) {
-        const Words<n> at =
+        const Numbers<n> at =
             truncated(select(in_swath, bin, Float{})) * kLanes + (lane_numbers<std::int32_t, n>() & 7) +
             static_cast<std::int32_t>(cut.kept[1] - cut.kept[0]) * (lane_numbers<std::int32_t, n>() >> 3);
         light *= gather(cut.kept[0], at);
@@ -277,7 +277,7 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
       parts.water = over_gamma > 0.0F;
       // A raster of gamma in the material's place stands in the place of the sea as well.
       if (cut.raster_gamma != nullptr) parts.water &= ~(parts.raster_gamma < 0.0F);
-      parts.gain *= select(parts.water, over_gamma, all<n>(1.0F));
+      parts.gain *= select(parts.water, over_gamma, in_all<n>(1.0F));
     }
     if (!cut.echo.any_lobes) {
       Float gamma = of_materials(cut.echo.gamma_f, parts.material);

@@ -71,11 +71,7 @@ bool ground_speckle(const SpeckleGround& ground, const SpeckleBlock& block) {
     }
     const u64x8 hash = mix_words(place_hash ^ kind);
     const f64x8 turns = turns_of_hash(hash) - range * round_trips_a_m;
-    const auto at = sincos_of_fraction(converted<float>(turns - nearest_integer(turns)));
-    const f32x8 modulus2 = max(-log_of_positive(converted<float>(uniform_of_hash(hash))), f32x8{});
-    const f32x8 amplitude = converted<float>(sqrt(load(block.power_w + k) * converted<double>(modulus2)));
-    store(block.re + k, converted<double>(amplitude * at.cos));
-    store(block.im + k, converted<double>(amplitude * at.sin));
+    store_voltage(load(block.power_w + k) * modulus2_of_hash(hash), turns, block.re + k, block.im + k);
   }
   return !any(unknown);
 }

@@ -1,28 +1,11 @@
 #pragma once
 // The ground that profiles see of the range bin that each is in, and the lists that it goes to when a bin
-// ends (ground_echoes.h).
+// ends (ground_echoes.h): of eight or of sixteen profiles, one plane of an azimuth bin or two.
 #include "server/radar/simd/ground/ground_echoes.h"
 #include "server/radar/simd/lanes/float_lanes.h"
 
 namespace obliq::OBLIQ_ISA {
 namespace {
-
-/// Floats of eight or of sixteen profiles: of one plane of an azimuth bin, or of two.
-template <int n>
-using Floats = Lanes<float, n>;
-template <int n>
-using Words = Lanes<std::int32_t, n>;
-template <int n>
-using Where = Lanes<MaskOf<float>, n>;
-
-template <int n>
-OBLIQ_INLINE Floats<n> all(float value) {
-  return every(static_cast<const Floats<n>*>(nullptr), value);
-}
-template <int n>
-OBLIQ_INLINE Words<n> truncated(Floats<n> x) {
-  return converted<std::int32_t>(x);
-}
 
 #if !defined(__AVX512F__)
 /// By mask: which of eight lanes is the first in it, the second and so on, a byte each.
@@ -87,7 +70,7 @@ struct Running {
 };
 
 template <int n>
-OBLIQ_INLINE Lanes<std::uint32_t, n> words(Words<n> x) {
+OBLIQ_INLINE Lanes<std::uint32_t, n> words(Numbers<n> x) {
   return OBLIQ_ISA::bits_as<std::uint32_t>(x);
 }
 /// Range bin x 16 + run.

@@ -42,13 +42,26 @@ OBLIQ_LANES Lanes<float, n> gather(const float* from, Lanes<T, n> at) {
   }
 }
 
+/// Any number of floats, of whole numbers that go with them, and where something holds of them.
+template <int n>
+using Floats = Lanes<float, n>;
+template <int n>
+using Numbers = Lanes<std::int32_t, n>;
+template <int n>
+using Where = Lanes<MaskOf<float>, n>;
+
+template <int n>
+OBLIQ_INLINE Floats<n> in_all(float value) {
+  return every(static_cast<const Floats<n>*>(nullptr), value);
+}
+
 /// Towards zero; numbers that fit.
 template <int n>
-OBLIQ_INLINE Lanes<std::int32_t, n> truncated(Lanes<float, n> x) {
+OBLIQ_INLINE Numbers<n> truncated(Floats<n> x) {
   return converted<std::int32_t>(x);
 }
 template <int n>
-OBLIQ_INLINE Lanes<float, n> floats_of(Lanes<std::int32_t, n> x) {
+OBLIQ_INLINE Floats<n> floats_of(Numbers<n> x) {
   return converted<float>(x);
 }
 

@@ -37,6 +37,19 @@ OBLIQ_INLINE f32x8 log_of_positive(f32x8 x) {
   return 2.0F * s * (1.0F + z * (0.333267138F + z * 0.206437361F)) + exponent * 0.693147181F;
 }
 
+/// The square of a random phasor's modulus, of mean 1 (uniform_of_hash).
+OBLIQ_INLINE f64x8 modulus2_of_hash(u64x8 hash) {
+  return converted<double>(max(-log_of_positive(converted<float>(uniform_of_hash(hash))), f32x8{}));
+}
+
+/// Stores sqrt(power) at so many turns.
+OBLIQ_INLINE void store_voltage(f64x8 power, f64x8 turns, double* re, double* im) {
+  const auto at = sincos_of_fraction(converted<float>(turns - nearest_integer(turns)));
+  const f32x8 amplitude = converted<float>(sqrt(power));
+  store(re, converted<double>(amplitude * at.cos));
+  store(im, converted<double>(amplitude * at.sin));
+}
+
 #endif
 
 }  // namespace obliq
