@@ -186,9 +186,8 @@ void EchoCells::add(int profile, const FaceEcho& echo) {
 
 void EchoCells::add(int profile, const FacePower& echo) {
   if (surfaces_ == Surfaces::ground || !(echo.power > 0)) return;
-  const std::uint32_t building = plan_.scene().world().buildings.building_of_face[echo.face];
   const FaceEcho whole{
-      echo.range_bin,         building,   echo.face, echo.material, 0, echo.range_m / echo.power, 0,
+      echo.range_bin,         echo.building, echo.face, echo.material, 0, echo.range_m / echo.power, 0,
       echo.at_m / echo.power, echo.corner};
   put_face(profile, whole, echo.power);
 }

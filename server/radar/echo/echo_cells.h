@@ -32,6 +32,7 @@ struct FaceEcho {
 /// ranges and places by power.
 struct FacePower {
   int range_bin;
+  std::uint32_t building;
   std::uint32_t face;
   std::uint8_t material;
   double power;
@@ -76,7 +77,9 @@ class EchoCells {
   double power_of(double cross_section_m2, double range_m, const glm::dvec3& at_m) const;
 
   /// Ground that is seen over terrain and hidden by buildings.
-  void mark_building_shadow(int profile, int range_bin) { shadow_[BinSums::index(profile, range_bin)] = 1; }
+  void mark_building_shadow(int profile, int range_bin, bool hidden) {
+    shadow_[BinSums::index(profile, range_bin)] |= static_cast<std::uint8_t>(hidden);
+  }
 
   /// Echoes so far.
   std::uint64_t count() const { return echoes_; }

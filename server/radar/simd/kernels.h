@@ -4,6 +4,8 @@
 
 #include "server/radar/simd/buildings/circles.h"
 #include "server/radar/simd/buildings/face_places.h"
+#include "server/radar/simd/buildings/light_left.h"
+#include "server/radar/simd/buildings/square_walls.h"
 #include "server/radar/simd/buildings/sub_columns.h"
 #include "server/radar/simd/echoes/bin_samples.h"
 #include "server/radar/simd/echoes/face_voltages.h"
@@ -35,6 +37,8 @@ namespace obliq {
   K(texture_echoes)       \
   K(profile_nodes)        \
   K(see_part)             \
+  K(light_left)           \
+  K(square_walls)         \
   K(face_places)          \
   K(face_powers)          \
   K(face_voltages)        \

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "server/radar/simd/kernels.h"
+#include "server/radar/sweep/sort_keys.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
@@ -66,6 +67,10 @@ BuildingView::BuildingView(const ScenePlan& plan, const NearBuildings& near,
   nodes.clearance = clearance_.data();
   nodes.range_bin = range_bin_.data();
   nodes.hidden = hidden_.data();
+  const auto n_range = static_cast<std::size_t>(bins.n_range);
+  visible_up_to_.resize(n_range + 1 + LightLeft::kSpare);
+  hidden_up_to_.resize(n_range + 1 + LightLeft::kSpare);
+  left_.resize(n_range + LightLeft::kSpare);
   columns_.r_min_m = as_float(bins.r_min_m);
   columns_.range_spacing_m = as_float(bins.range_spacing_m);
   columns_.n_range = bins.n_range;
@@ -107,7 +112,7 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
     ask_for_buildings(k);
     if (!near_.has(buildings_[k])) collect(buildings_[k]);
   }
-  sort_by_distance();
+  sort_keys(order_);
   // A shape is read in other pieces than it is written: it is written well before.
   if (!parts_.empty()) fill_shape(by_distance(0), shapes_[0]);
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -121,19 +126,6 @@ bool BuildingView::see(int azimuth_bin, int profile, EchoCells& cells) {
   return true;
 }
 
-void BuildingView::sort_by_distance() {
-  constexpr std::size_t kMany = kMostWork / 32;  // to ask once a comparison slows it down by half
-  if (order_.size() < kMany) {
-    ask(16 * static_cast<std::int64_t>(order_.size()));
-    std::ranges::sort(order_);
-  } else {
-    std::ranges::sort(order_, [](std::uint64_t p, std::uint64_t q) {
-      ask(1);
-      return p < q;
-    });
-  }
-}
-
 /// Those behind the near ones see what these hide in the middle of each sub-column.
 void BuildingView::see_near(int azimuth_bin, EchoCells& cells) {
   if (!near_view_.see(azimuth_bin, profile_, columns_, corner_view_, cells)) return;
@@ -142,6 +134,17 @@ void BuildingView::see_near(int azimuth_bin, EchoCells& cells) {
     roofs_[static_cast<std::size_t>(k)] =
         near_view_.roof_slope(from_rad + plan_.bins().azimuth_width_rad * (k + 0.5) / columns_.n);
   if (corner_view_.wanted()) shades_.assign(roofs_.begin(), roofs_.end());
+}
+
+void BuildingView::kept_shares(int plane, float* kept, EchoCells& cells) {
+  ask(columns_.nodes.n_nodes);
+  LightLeft light{visible_up_to_.data(), hidden_up_to_.data(), left_.data(), 0, 0};
+  active_kernels().light_left(columns_.nodes, plane, columns_.n_range, light);
+  for (int bin = light.from; bin < light.to; ++bin) {
+    const float left = left_[static_cast<std::size_t>(bin)];
+    kept[static_cast<std::size_t>(bin) * kWedgeAzimuthBins] = left;
+    cells.mark_building_shadow(profile_, bin, !(left > 0));
+  }
 }
 
 /// Begins with another azimuth bin.

@@ -10,9 +10,9 @@
 #include "server/radar/echo/echo_cells.h"
 #include "server/radar/scene_plan.h"
 #include "server/radar/simd/buildings/face_places.h"
+#include "server/radar/simd/buildings/light_left.h"
 #include "server/radar/simd/buildings/sub_columns.h"
 #include "server/radar/sweep/corner_view.h"
-#include "server/radar/sweep/ground_light.h"
 #include "server/radar/sweep/near_view.h"
 #include "terrain/base/asking.h"
 
@@ -44,12 +44,9 @@ class BuildingView {
     buildings.erase(std::unique(buildings.begin(), buildings.end()), buildings.end());
   }
 
-  /// Writes the share of a plane's light that buildings leave in each range bin of the bin seen last to
-  /// kept[bin * 8], and marks in `cells` where they leave none.
-  void kept_shares(int plane, float* kept, EchoCells& cells) const {
-    ask(columns_.nodes.n_nodes);
-    keep_shares(columns_.nodes, plane, columns_.n_range, profile_, kept, cells);
-  }
+  /// Writes the share of the light of a plane's ground that buildings leave in the bin seen last to
+  /// kept[bin * 8], which are 1, and marks in `cells` the range bins in which they leave none.
+  void kept_shares(int plane, float* kept, EchoCells& cells);
 
  private:
   struct Corner {
@@ -68,7 +65,6 @@ class BuildingView {
   };
   void start(int azimuth_bin, int profile);
   void see_near(int azimuth_bin, EchoCells& cells);
-  void sort_by_distance();
   const Part& by_distance(std::size_t k) const { return parts_[static_cast<std::uint32_t>(order_[k])]; }
   SinCos bearing(double position) const;
   void set_out(SinCos centre);
@@ -115,6 +111,8 @@ class BuildingView {
   std::vector<std::uint64_t> order_;  // of parts_: by distance, then as loaded
   SubColumns columns_{};
   std::vector<float> horizon_, clearance_, range_bin_, hidden_, sine_;  // [planes][stride]
+  std::vector<double> visible_up_to_, hidden_up_to_;                    // LightLeft's
+  std::vector<float> left_;
   std::vector<float> roofs_, shades_, coarser_, per_plane_;
   ConvexShape shapes_[2]{};  // of this part and the next
   PartEchoes echoes_{};

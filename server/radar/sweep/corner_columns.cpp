@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/radar/simd/kernels.h"
 #include "server/radar/sweep/corner_view.h"
 
 namespace obliq {
@@ -13,18 +14,7 @@ std::uint64_t CornerView::square_walls(const Columns& columns, const ConvexShape
   const float low = std::max(from, columns.all.left);
   const float high = std::min(to, columns.all.left + static_cast<float>(columns.all.n) * columns.all.width);
   const float limit = static_cast<float>(table_->greatest_along()) * -part.base_m / near_m + (high - low) / 2;
-  const float limit2 = limit * limit;
-  const float middle = (low + high) / 2;
-  std::uint64_t square = 0;
-  for (int e = 0; e < part.n; ++e) {
-    const float dr = part.right_m[e + 1] - part.right_m[e];
-    const float da = part.ahead_m[e + 1] - part.ahead_m[e];
-    const float along = dr * middle + da;
-    if (along * along > limit2 * (dr * dr + da * da)) continue;  // most of them
-    const bool faces = part.ahead_m[e] * dr - part.right_m[e] * da > 0;
-    square |= static_cast<std::uint64_t>(faces) << e;
-  }
-  return square & part.walls;
+  return active_kernels().square_walls(part, (low + high) / 2, limit * limit);
 }
 
 void CornerView::see(const Columns& columns, const ConvexShape& part, int e, const Wall& wall) {
@@ -51,6 +41,7 @@ void CornerView::see(const Columns& columns, const ConvexShape& part, int e, con
   const double tangent = (from + to) / 2;
   const double secant = std::sqrt(1 + tangent * tangent);
   Foot foot{};
+  foot.building = wall.building;
   foot.face = wall.face;
   foot.material = wall.material;
   foot.normal_x = plane.normal_x;
@@ -58,8 +49,6 @@ void CornerView::see(const Columns& columns, const ConvexShape& part, int e, con
   foot.bearing = {(centre.sin + tangent * centre.cos) / secant, (centre.cos - tangent * centre.sin) / secant};
   foot.width_rad = (to - from) / width * static_cast<double>(all.width_rad);
   foot.distance_m = distance_at(tangent);
-  foot.left_m = distance_at(from);
-  foot.right_m = distance_at(to);
   const double ground_y_m = world.grid.height_at_m(antenna.x + foot.distance_m * foot.bearing.sin,
                                                    antenna.z + foot.distance_m * foot.bearing.cos);
   if (std::isnan(ground_y_m)) return;
@@ -72,6 +61,7 @@ void CornerView::see(const Columns& columns, const ConvexShape& part, int e, con
   const auto [least, greatest] =
       std::minmax_element(all.shades + column_of(from), all.shades + column_of(to) + 1);
   if (-static_cast<double>(*least) * foot.distance_m <= -foot.ground_m || !begin(foot, all.nodes)) return;
+  spread(distance_at(from), distance_at(to));
   if (is_whole(static_cast<double>(*greatest))) return light(0, 1, static_cast<double>(*greatest));
   // Neighbours that leave all of the light are one stretch.
   const int last = column_of(to);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/radar/sweep/sort_keys.h"
 #include "terrain/base/asking.h"
 #include "terrain/ground_slope.h"
 
@@ -32,13 +33,16 @@ bool CornerView::begin(const Foot& foot, const NodeProfiles& nodes) {
   if (!(end_m_ > 0)) return false;
   down_ = down;
   across_ = across / std::sqrt(1 + down * down);
+  return true;
+}
+
+void CornerView::spread(double left_m, double right_m) {
   const BinGrid& bins = plan_.bins();
   const auto bin_at = [&](double d) {
-    return (std::sqrt(d * d + foot.ground_m * foot.ground_m) - bins.r_min_m) / bins.range_spacing_m;
+    return (std::sqrt(d * d + foot_.ground_m * foot_.ground_m) - bins.r_min_m) / bins.range_spacing_m;
   };
-  left_bin_ = bin_at(foot.left_m);
-  right_bin_ = bin_at(foot.right_m);
-  return true;
+  left_bin_ = bin_at(left_m);
+  right_bin_ = bin_at(right_m);
 }
 
 /// The ground that takes part lies before the foot in the direction that the wall mirrors: pieces of a cell
@@ -148,7 +152,7 @@ void CornerView::share_out(double from, double to, std::uint8_t ground, double w
     if (!(share > 0)) continue;
     if (found_.empty() || found_.back().face != foot_.face || found_.back().range_bin != bin ||
         found_.back().ground != ground)
-      found_.push_back({foot_.face, bin, foot_.material, ground, 0, 0, 0, {}});
+      found_.push_back({foot_.building, foot_.face, bin, foot_.material, ground, 0, 0, 0, {}});
     Part& sum = found_.back();
     const double across_m = ((from + to) / 2 - 0.5) * foot_.width_rad * foot_.distance_m;
     const glm::dvec3& antenna = plan_.sector().antenna_m;
@@ -164,21 +168,21 @@ void CornerView::share_out(double from, double to, std::uint8_t ground, double w
 
 void CornerView::put(int profile, EchoCells& cells) {
   if (found_.empty()) return;
-  std::ranges::stable_sort(found_, [](const Part& p, const Part& q) {
-    ask(2);
-    return p.face != q.face ? p.face < q.face : p.range_bin < q.range_bin;
-  });
-  for (std::size_t k = 0; k < found_.size();) {
-    const Part& first = found_[k];
-    FacePower sum{first.range_bin, first.face, first.material, 0, 0, {}, true};
-    for (; k < found_.size() && found_[k].face == first.face && found_[k].range_bin == first.range_bin; ++k) {
-      const Part& part = found_[k];
+  order_.clear();
+  for (std::uint32_t k = 0; k < found_.size(); ++k) order_.emplace_back(found_[k].echo(), k);
+  sort_keys(order_);
+  for (std::size_t k = 0; k < order_.size();) {
+    const auto [echo, place] = order_[k];
+    const Part& first = found_[place];
+    FacePower sum{first.range_bin, first.building, first.face, first.material, 0, 0, {}, true};
+    for (; k < order_.size() && order_[k].first == echo; ++k) {
+      const Part& part = found_[order_[k].second];
       const double range_m = part.range_m / part.weight;
       const glm::dvec3 at_m = part.at_m / part.weight;
       const double sigma_m2 =
           part.weight * table_->reflectivity(part.material, part.ground, part.across / part.weight);
       const double power = cells.power_of(sigma_m2, range_m, at_m);
-      sum.add({0, 0, 0, power, power * range_m, power * at_m});
+      sum.add({0, 0, 0, 0, power, power * range_m, power * at_m});
     }
     cells.add(profile, sum);
   }

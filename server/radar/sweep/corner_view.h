@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "server/radar/echo/corners.h"
@@ -41,18 +42,19 @@ class CornerView {
   /// What of a wall's foot lies in the bin. Distances are ground distances from the antenna, heights above
   /// it.
   struct Foot {
-    std::uint32_t face;
+    std::uint32_t building, face;
     std::uint8_t material;  ///< of the building
     double normal_x, normal_z;
     SinCos bearing;  ///< of its middle
     double width_rad;
-    double distance_m;       ///< of its middle
-    double left_m, right_m;  ///< of its ends
+    double distance_m;  ///< of its middle
     double ground_m, roof_m;
     int plane;  ///< of the bin, whose profile has the shadows of the ground
   };
   /// Looks at the ground before a foot; false: it returns nothing, whatever is lit of it.
   bool begin(const Foot& foot, const NodeProfiles& nodes);
+  /// And then: how far away its ends are.
+  void spread(double left_m, double right_m);
   /// Whether buildings that hide all up to a slope leave all of the foot's light.
   bool is_whole(double shade) const {
     return foot_.distance_m * (-shade - down_) >= (-shade - rise_) * end_m_ && shade < -down_;
@@ -75,11 +77,16 @@ class CornerView {
   };
   /// Parts of an echo: sums by `weight`, a cross section without reflectivity.
   struct Part {
-    std::uint32_t face;
+    std::uint32_t building, face;
     int range_bin;
     std::uint8_t material, ground;
     double weight, across, range_m;
     glm::dvec3 at_m;
+
+    /// The same of parts of one echo.
+    std::uint64_t echo() const {
+      return static_cast<std::uint64_t>(face) << 32 | static_cast<std::uint32_t>(range_bin);
+    }
   };
   bool lay_strip(double down, double across, double along);
   double terrain_lit_m(const NodeProfiles& nodes, double most_m) const;
@@ -96,6 +103,7 @@ class CornerView {
   Piece pieces_[2 * kMostPieces];
   int n_pieces_ = 0;
   std::vector<Part> found_;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order_;  // of them: by echo, then as found
 };
 
 }  // namespace obliq

@@ -192,11 +192,12 @@ void NearView::march(Strip& strip, SinCos bearing, const SubColumns& columns, do
             return std::clamp(-wall.distance_m / slope, wall.nearest_m, wall.farthest_m);
           };
           const double half_rad = (strip.to_rad - strip.from_rad) / 2;
-          if (corners.begin(
-                  {step.wall, building.material, wall.normal_x, wall.normal_z, bearing, 2 * half_rad, near_m,
-                   distance_m(-half_rad), distance_m(half_rad), foot * near_m, roof_m, plane},
-                  columns.nodes))
+          if (corners.begin({step.building, step.wall, building.material, wall.normal_x, wall.normal_z,
+                             bearing, 2 * half_rad, near_m, foot * near_m, roof_m, plane},
+                            columns.nodes)) {
+            corners.spread(distance_m(-half_rad), distance_m(half_rad));
             corners.light(0, 1, strip.slope);
+          }
         }
         sampler_.set_turn(turn_rad(cells.table(), building.material, wall.distance_m / near_m));
         sampler_.visible({near_m, 0, 0, 1, low * near_m, roof_m, wall.distance_m, step.wall,
@@ -234,7 +235,10 @@ void NearView::take_samples(const EchoCells& cells) {
       const double range_m = samples_.slant_range_m[k];
       const int bin = plan_.bins().range_bin(range_m);
       if (bin < 0 || range_m < kNearest_m) continue;
-      FacePower echo{bin, samples_.face[k], samples_.material[k], 0, range_m, {}};
+      const std::uint32_t face = samples_.face[k];
+      FacePower echo{
+          bin, plan_.scene().world().buildings.building_of_face[face], face, samples_.material[k], 0, range_m,
+          {}};
       echo.at_m = {samples_.x_m[k], antenna.y + range_m * samples_.sin_elevation[k], samples_.z_m[k]};
       const double area_m2 = samples_.solid_angle_sr[k] * range_m * range_m;
       const double cosine = samples_.cos_incidence[k];
@@ -249,7 +253,7 @@ void NearView::take_samples(const EchoCells& cells) {
         continue;
       }
       echoes_.push_back(echo);
-      plan_.seen().mark(plan_.scene().world().buildings.building_of_face[echo.face]);
+      plan_.seen().mark(echo.building);
     }
     sampler_.begin(samples_);
   } while (samples_.n > 0);
