@@ -9,6 +9,7 @@
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/canceller.h"
 #include "server/radar/doppler/wind.h"
+#include "server/radar/echo/sea_echo.h"
 #include "server/radar/pulses/pulse_times.h"
 #include "server/radar/pulses/render_train.h"
 #include "server/radar/simd/lanes/exact_math.h"
@@ -141,11 +142,18 @@ ReportRow sharpening_row(const FramePlan& plan) {
                  "left"_is = ratio(-sector_rad / 2), "middle"_is = ratio(0),
                  "right"_is = ratio(sector_rad / 2), "most"_is = most, "rows"_is = rows,
                  "needed"_is = most + 3, "cell_deg"_is = beam_rad / kDegree_rad / std::max(1.0, ratio(0)),
+                 "sea_m_s"_is = SeaMotion(s).downwind_m_s,
+                 "sea_deviation_m_s"_is = SeaMotion(s).deviation_m_s,
+                 "sea_cells"_is = 2 * SeaMotion(s).deviation_m_s / wavelength_at(s.frequency_ghz) * train_s,
                  "width_hz"_is = width_hz, "range_km"_is = kLight_m_s / (2 * s.pulse.prf_hz) / 1000),
           {{"dbs", true,
             "{pulses:4} pulses at {prf_hz:6} Hz, {train_ms:.1f} ms: the beam becomes {left:.1f}, "
             "{middle:.1f} and {right:.1f} times as narrow at the sector's left, middle and right; "
             "{rows:.1f} rows a beamwidth, B + 3 = {needed:.1f} are needed. "},
+           {"dbs", doppler.has_sea(),
+            "The sea is smeared over {sea_cells:.1f} cells either way, {sea_deviation_m_s:.2f} m/s; upwind "
+            "it "
+            "closes at {sea_m_s:.2f} m/s. "},
            {"dbs", !(most > 1),
             "Nothing flies across the beam: the map is the real beam's. antenna.velocity_* says how it "
             "flies. "},
@@ -158,18 +166,22 @@ ReportRow image_row(const FramePlan& plan) {
   const RadarSettings& s = plan.settings();
   const DopplerPlan& doppler = *plan.sum()->doppler;
   const double middle_m = (s.r_min_m + s.r_max_m) / 2;
-  return {"sar",
-          text_of(values("resolution_m"_is = s.doppler.resolution_m,
-                         "speed_m_s"_is = doppler.velocity().across_m_s(0),
-                         "time_s"_is = doppler.turns_a_hz(middle_m), "range_km"_is = middle_m / 1000,
-                         "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0),
-                         "prf_hz"_is = s.pulse.prf_hz,
-                         "pulses"_is = doppler.turns_a_hz(middle_m) * s.pulse.prf_hz),
-                  {{"sar", true,
-                    "{resolution_m:3} m across range: {time_s:.2f} s of flight at {speed_m_s:.1f} m/s, an "
-                    "aperture of {length_m:.0f} m at {range_km:.1f} km; of its {pulses:.0f} pulses at "
-                    "{prf_hz:6} Hz the "
-                    "noise is added up. "}})};
+  return {
+      "sar",
+      text_of(values("resolution_m"_is = s.doppler.resolution_m,
+                     "speed_m_s"_is = doppler.velocity().across_m_s(0),
+                     "time_s"_is = doppler.turns_a_hz(middle_m), "range_km"_is = middle_m / 1000,
+                     "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0),
+                     "prf_hz"_is = s.pulse.prf_hz,
+                     "smear_m"_is = SeaMotion(s).deviation_m_s * middle_m / doppler.velocity().across_m_s(0),
+                     "pulses"_is = doppler.turns_a_hz(middle_m) * s.pulse.prf_hz),
+              {{"sar", true,
+                "{resolution_m:3} m across range: {time_s:.2f} s of flight at {speed_m_s:.1f} m/s, an "
+                "aperture of {length_m:.0f} m at {range_km:.1f} km; of its {pulses:.0f} pulses at "
+                "{prf_hz:6} Hz the "
+                "noise is added up. "},
+               {"sar", has_sea(s, plan.scene().materials()),
+                "The sea stands still in it; a real image smears it over {smear_m:.0f} m either way. "}})};
 }
 
 ReportRow train_row(const FramePlan& plan) {

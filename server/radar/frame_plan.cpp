@@ -38,8 +38,9 @@ glm::dvec3 sea_velocity_m_s(const RadarSettings& settings, const Pose& pose) {
 /// What moves by itself, where a mode shows it.
 void place_moving(const Scene& scene, const RadarSettings& settings, const glm::dvec3& antenna_m_s,
                   const Pose& pose, EchoPlace& place) {
-  if (settings.mode != RadarMode::mti && settings.mode != RadarMode::pulses) return;
-  const bool has_wind = settings.atmosphere.wind_m_s > 0, has_sea = sea_state(settings) > 0;
+  if (settings.mode == RadarMode::map || settings.mode == RadarMode::sar) return;
+  const bool has_wind = settings.atmosphere.wind_m_s > 0 && settings.mode != RadarMode::dbs;
+  const bool has_sea = sea_state(settings) > 0;
   place.all_windy = has_wind;
   for (std::size_t id = 0; id < scene.materials().size(); ++id) {
     const Material& material = scene.materials()[id];

@@ -102,15 +102,18 @@ double Taper::sampled(double u, int n) const {
   return sum(u) / sum(0);
 }
 
+std::vector<double> Taper::sampled_weights(int n) const {
+  std::vector<double> weights;
+  double sum = 0;
+  for (int k = 0; k < n; ++k) sum += weights.emplace_back(weight((k + 0.5) / n - 0.5));
+  for (double& w : weights) w /= sum;
+  return weights;
+}
+
 double Taper::sampled_noise_width(int n) const {
-  double weights = 0;
   double squares = 0;
-  for (int k = 0; k < n; ++k) {
-    const double w = weight((k + 0.5) / n - 0.5);
-    weights += w;
-    squares += w * w;
-  }
-  return n * squares / (weights * weights);
+  for (const double w : sampled_weights(n)) squares += w * w;
+  return n * squares;
 }
 
 }  // namespace obliq

@@ -29,7 +29,9 @@ class Taper {
 
   /// The transform of n weights, W at the middles of n parts: sinc(u) becomes sin(pi u) / (n sin(pi u / n)).
   double sampled(double u, int n) const;
-  /// n sum W^2 / (sum W)^2 of those.
+  /// Those weights, of sum 1.
+  std::vector<double> sampled_weights(int n) const;
+  /// n sum W^2 / (sum W)^2 of them.
   double sampled_noise_width(int n) const;
 
  private:

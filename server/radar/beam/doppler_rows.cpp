@@ -13,8 +13,7 @@ namespace {
 
 static_assert(EchoPlan::kTile % CellSpan::kBins == 0);
 
-// In units of ask(), a bin: its Doppler, a canceller.
-constexpr std::int64_t kPlaceWork = 4;
+// In units of ask(), a bin of a canceller.
 constexpr std::int64_t kCancelWork = 2;
 
 MovingEchoes echoes_of(const ByLag& residue) {
@@ -43,16 +42,13 @@ DopplerRows::DopplerRows(const EchoPlan& plan)
       kept_(static_cast<std::size_t>(
           std::min(plan.rows_of(kWedgeAzimuthBins) + kWedgeAzimuthBins, plan.n_rows))),
       outputs_(kWedgeAzimuthBins),
-      away_hz_(static_cast<std::size_t>(plan.rows_of(kWedgeAzimuthBins)) * kWedgeAzimuthBins),
       zeros_(stride_),
       dark_(stride_ / CellSpan::kBins, CellSpan{0, -1}) {}
 
 void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row, Voltages voltages,
                        std::uint64_t key) {
   rows_.clear();
-  firsts_.clear();
-  seconds_.clear();
-  spans_.clear();
+  places_ = {};
   moving_.clear();
   re_.clear();
   im_.clear();
@@ -65,8 +61,9 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
       row.azimuth = azimuth;
       row.voltages = Voltages::none;
       row.power = nullptr;
-      row.level_hz = level_hz(plan_.row_middle_rad(azimuth));
-      place(row, rows[k]->sine_row(azimuth), rows[k]->power_row(azimuth));
+      row.places.level_hz = level_hz(plan_.row_middle_rad(azimuth));
+      row.places.place(*plan_.doppler, stride_, rows[k]->sine_row(azimuth), rows[k]->power_row(azimuth),
+                       plan_.doppler->ground().up_hz());
       if (!plan_.doppler->windy().empty()) moving_power(*plan_.doppler, *rows[k], azimuth, row.moving);
       if (has_sea) row.sea.place(plan_, *rows[k], azimuth);
     }
@@ -74,9 +71,7 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
     if (row.power == nullptr || row.voltages != voltages || row.key != key)
       make(row, *rows[k], voltages, key);
     rows_.push_back(&row);
-    firsts_.push_back(row.first.data());
-    seconds_.push_back(row.second.data());
-    spans_.push_back(row.spans.data());
+    add_places(row.places, places_);
     if (!row.moving.empty()) moving_.push_back(row.moving.data());
     re_.push_back(row.re.data());
     im_.push_back(row.im.data());
@@ -84,15 +79,24 @@ void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row
     sea_.power.push_back(row.sea.power.data());
     sea_.re.push_back(row.sea.re.data());
     sea_.im.push_back(row.sea.im.data());
-    sea_.sin.push_back(row.sea.sin.data());
-    sea_.cos.push_back(row.sea.cos.data());
+    add_places(row.sea.places, sea_.places);
   }
-  const std::size_t all = away_hz_.size() / kWedgeAzimuthBins;
-  spans_.resize(all, dark_.data());
-  for (auto* const rows_of : {&firsts_, &seconds_, &re_, &im_}) rows_of->resize(all, zeros_.data());
+  const auto all = static_cast<std::size_t>(plan_.rows_of(kWedgeAzimuthBins));
+  for (auto* const rows_of : {&re_, &im_}) rows_of->resize(all, zeros_.data());
   if (!moving_.empty()) moving_.resize(all, zeros_.data());
-  for (auto* const rows_of : {&sea_.power, &sea_.re, &sea_.im, &sea_.sin, &sea_.cos})
+  for (auto* const rows_of : {&sea_.power, &sea_.re, &sea_.im})
     if (has_sea) rows_of->resize(all, zeros_.data());
+  for (Places* const places : {&places_, &sea_.places}) {
+    places->firsts.resize(all, zeros_.data());
+    places->seconds.resize(all, zeros_.data());
+    places->spans.resize(all, dark_.data());
+  }
+}
+
+void DopplerRows::add_places(const RowPlaces& of_row, Places& all) const {
+  all.firsts.push_back(of_row.first.data());
+  all.seconds.push_back(of_row.second.data());
+  all.spans.push_back(of_row.spans.data());
 }
 
 std::size_t DopplerRows::place_of(int row) const {
@@ -103,34 +107,23 @@ std::size_t DopplerRows::place_of(int row) const {
 void DopplerRows::place_outputs(int first_azimuth) {
   const DopplerPlan& doppler = *plan_.doppler;
   for (int o = 0; o < kWedgeAzimuthBins; ++o) {
-    Row& output = outputs_[static_cast<std::size_t>(o)];
-    const double azimuth_rad = plan_.output_middle_rad(first_azimuth + o);
-    output.level_hz = level_hz(azimuth_rad);
-    if (doppler.has_lock()) place(output, doppler.level_sine().data(), nullptr);
+    RowPlaces& output = outputs_[static_cast<std::size_t>(o)];
+    output.level_hz = level_hz(plan_.output_middle_rad(first_azimuth + o));
+    if (doppler.has_lock())
+      output.place(doppler, stride_, doppler.level_sine().data(), nullptr, doppler.ground().up_hz());
   }
-  auto away = away_hz_.begin();
+  const auto all = static_cast<std::size_t>(plan_.rows_of(kWedgeAzimuthBins)) * kWedgeAzimuthBins;
+  for (Places* const places : {&places_, &sea_.places}) places->away_hz.assign(all, 0);
+  std::size_t at = 0;
   for (const Row* row : rows_)
-    for (const Row& output : outputs_) *away++ = static_cast<float>(row->level_hz - output.level_hz);
+    for (const RowPlaces& output : outputs_) {
+      places_.away_hz[at] = static_cast<float>(row->places.level_hz - output.level_hz);
+      sea_.places.away_hz[at++] = static_cast<float>(row->sea.places.level_hz - output.level_hz);
+    }
 }
 
 double DopplerRows::level_hz(double azimuth_rad) const {
   return plan_.doppler->ground().level_hz(sincos_turns(azimuth_rad / (2 * std::numbers::pi)));
-}
-
-void DopplerRows::place(Row& row, const float* sine, const float* power) const {
-  const DopplerPlan& doppler = *plan_.doppler;
-  const DopplerRow of{static_cast<int>(stride_), sine, doppler.turns_a_hz().data(), row.level_hz,
-                      doppler.ground().up_hz()};
-  row.first.resize(stride_);
-  ask(kPlaceWork * static_cast<std::int64_t>(stride_));
-  if (!doppler.is_canceller()) {
-    row.spans.resize(dark_.size());
-    active_kernels().doppler_cells(
-        {of, doppler.level_sine().data(), power, row.first.data(), row.spans.data()});
-    return;
-  }
-  row.second.resize(stride_);
-  active_kernels().doppler_phasors({of, row.first.data(), row.second.data()});
 }
 
 void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key) {
@@ -164,13 +157,13 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   }
   row.own_power.resize(stride_);
   if (row.iq != nullptr) row.own_iq.resize(2 * stride_);
-  cancel(
-      {row.first.data(), row.power, row.moving.empty() ? nullptr : row.moving.data(), moving_echoes_, row.iq},
-      row.own_power.data(), row.own_iq.data());
+  cancel({row.places.first.data(), row.power, row.moving.empty() ? nullptr : row.moving.data(),
+          moving_echoes_, row.iq},
+         row.own_power.data(), row.own_iq.data());
   if (has_sea) {
     // All of it moves. What is left of it is added.
     std::vector<float> power(stride_), iq(row.own_iq.size());
-    cancel({row.sea.sin.data(), row.sea.power.data(), row.sea.power.data(), sea_echoes_,
+    cancel({row.sea.places.first.data(), row.sea.power.data(), row.sea.power.data(), sea_echoes_,
             row.iq == nullptr ? nullptr : row.sea.iq.data()},
            power.data(), iq.data());
     ask(kCancelWork * static_cast<std::int64_t>(stride_));
@@ -203,8 +196,8 @@ const float* DopplerRows::filtered(std::size_t k, const float* power, const floa
   if (!plan_.doppler->is_of_rows()) return power;
   Row& row = *rows_[k];
   row.other_power.resize(stride_);
-  const Echoes of_rest{row.first.data(), power, moving, moving_echoes_, nullptr};
-  const Echoes of_sea{row.sea.sin.data(), power, power, sea_echoes_, nullptr};
+  const Echoes of_rest{row.places.first.data(), power, moving, moving_echoes_, nullptr};
+  const Echoes of_sea{row.sea.places.first.data(), power, power, sea_echoes_, nullptr};
   cancel(is_sea ? of_sea : of_rest, row.other_power.data(), nullptr);
   return row.other_power.data();
 }

@@ -35,13 +35,14 @@ class DopplerRows {
   /// Else, of all taken, apart.
   const float* const* re() const { return re_.data(); }
   const float* const* im() const { return im_.data(); }
-  /// Of all taken, and of dark rows behind them: sine and cosine of half the turns (mti), or cells beside
-  /// level ground (DopplerCells) and nothing.
-  const float* const* firsts() const { return firsts_.data(); }
-  const float* const* seconds() const { return seconds_.data(); }
-  /// Where the cells lie, and [row][output] Doppler on the level less that of an output placed.
-  const CellSpan* const* spans() const { return spans_.data(); }
-  const float* away_hz() const { return away_hz_.data(); }
+  /// Of all taken, and of dark rows behind them (RowPlaces); [row][output] Doppler on the level less that of
+  /// an output placed.
+  struct Places {
+    std::vector<const float*> firsts, seconds;
+    std::vector<const CellSpan*> spans;
+    std::vector<float> away_hz;
+  };
+  const Places& places() const { return places_; }
   /// Of their power, what moves in the wind; null: nothing does.
   const float* const* moving() const { return moving_.empty() ? nullptr : moving_.data(); }
   /// Of the power that a label has in row k (LabelShare::kind), what moves in the wind; null: nothing. Until
@@ -53,7 +54,8 @@ class DopplerRows {
   /// The sea in all taken, where plan.doppler->has_sea() and rows are not filtered by themselves: power,
   /// re and im are of the rest.
   struct Sea {
-    std::vector<const float*> power, re, im, sin, cos;
+    std::vector<const float*> power, re, im;
+    Places places;
   };
   const Sea& sea() const { return sea_; }
   const MovingEchoes& sea_echoes() const { return sea_echoes_; }
@@ -75,17 +77,14 @@ class DopplerRows {
     std::uint64_t key = 0;
     const float* power = nullptr;
     const float* iq = nullptr;
-    double level_hz = 0;
-    std::vector<float> first, second;
-    std::vector<CellSpan> spans;
+    RowPlaces places;
     std::vector<float> own_power, own_iq, re, im, other_power, moving, other_moving;
     const float* whole = nullptr;  // its power before the canceller
     SeaPart sea;
   };
   std::size_t place_of(int row) const;
   double level_hz(double azimuth_rad) const;
-  /// level_hz is there. power: that the row's cells count for; of a canceller nothing.
-  void place(Row& row, const float* sine, const float* power) const;
+  void add_places(const RowPlaces& of_row, Places& all) const;
   void make(Row& row, const SharpWedge& wedge, Voltages voltages, std::uint64_t key);
   /// Echoes of a row, of which `moving` has the power of what moves by itself, as `echoes` says
   /// (CancelledRow).
@@ -101,11 +100,10 @@ class DopplerRows {
   const MovingEchoes moving_echoes_, sea_echoes_;
   std::vector<Row> kept_;   // by their number, on and on
   std::vector<Row*> rows_;  // those taken
-  std::vector<const float*> firsts_, seconds_, moving_, re_, im_;
-  std::vector<const CellSpan*> spans_;
+  std::vector<const float*> moving_, re_, im_;
+  Places places_;
   Sea sea_;
-  std::vector<Row> outputs_;
-  std::vector<float> away_hz_;
+  std::vector<RowPlaces> outputs_;
   std::vector<float> zeros_;    // a row without ground
   std::vector<CellSpan> dark_;  // it too
 };

@@ -306,15 +306,16 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
     // DopplerRows: Doppler, I&Q and powers of the current rows; of the sea (SeaPart) as many again.
     // DopplerPlan, polynomials of a canceller.
     const std::int64_t kRowFloats = sea_state(s) > 0 ? 18 : 8;
+    const std::int64_t n_tables = sea_state(s) > 0 ? 3 : 1;  // of responses (SpreadResponse)
     constexpr std::int64_t kSpanBytes = sizeof(CellSpan);
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
-                       (kRowFloats * kFloat * layout.stride() + 650 + kSpanBytes * size.n_tiles);
+                       (kRowFloats * kFloat * layout.stride() + 650 + n_tables * kSpanBytes * size.n_tiles);
     size.plan_bytes += 4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
                        grown_bytes(layout.stride(), sizeof(double)) +
                        2 * grown_bytes(layout.stride(), kFloat) + grown_bytes(size.n_tiles, kSpanBytes) +
-                       grown_bytes(DopplerResponse::n_steps(cells), kFloat) +
-                       grown_bytes(DopplerResponse::n_terms(cells), kFloat);
+                       n_tables * (grown_bytes(DopplerResponse::n_steps(cells), kFloat) +
+                                   grown_bytes(DopplerResponse::n_terms(cells), kFloat));
   }
 
   if (s.mode == RadarMode::pulses) {

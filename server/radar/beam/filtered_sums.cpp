@@ -6,6 +6,42 @@
 #include "terrain/base/asking.h"
 
 namespace obliq {
+namespace {
+
+/// What several sums leave in a tile of the outputs.
+class TileSums {
+ public:
+  void add(const WeighedRows& rows) {
+    for (int o = 0; o < WeighedRows::kOutputs; ++o) {
+      for (int m = 0; m < rows.n; ++m) power_[o][m] += rows.out_power[o][rows.first + m];
+      for (int m = 0; rows.re != nullptr && m < 2 * rows.n; ++m)
+        iq_[o][m] += rows.out_iq[o][2 * rows.first + m];
+    }
+  }
+  /// Voltages a quarter turn ahead.
+  void add_ahead(const WeighedRows& rows) {
+    for (int o = 0; o < WeighedRows::kOutputs; ++o) {
+      for (int m = 0; m < rows.n; ++m) power_[o][m] += rows.out_power[o][rows.first + m];
+      for (int m = 0; rows.re != nullptr && m < rows.n; ++m) {
+        const float* const iq = rows.out_iq[o] + 2 * (rows.first + m);
+        iq_[o][2 * m] -= iq[1];
+        iq_[o][2 * m + 1] += iq[0];
+      }
+    }
+  }
+  void give(const WeighedRows& rows) const {
+    for (int o = 0; o < WeighedRows::kOutputs; ++o) {
+      std::copy_n(power_[o], rows.n, rows.out_power[o] + rows.first);
+      if (rows.re != nullptr) std::copy_n(iq_[o], 2 * rows.n, rows.out_iq[o] + 2 * rows.first);
+    }
+  }
+
+ private:
+  float power_[WeighedRows::kOutputs][EchoPlan::kTile]{};
+  float iq_[WeighedRows::kOutputs][2 * EchoPlan::kTile]{};
+};
+
+}  // namespace
 
 void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) {
   static_assert(WeighedRows::kOutputs == kWedgeAzimuthBins);
@@ -36,41 +72,42 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
   const DopplerPlan& doppler = *plan_.doppler;
   const float* const* const moving = moving_rows_ == nullptr ? nullptr : moving_rows_ + first;
   const AzimuthKernels& kernels = plan_.kernels;
-  if (!doppler.is_canceller()) {
+  const DopplerRows::Places& places = doppler_->places();
+  const auto sharpen = [&](const DopplerRows::Places& of, const DopplerResponse& response) {
     SharpenedSum sum{rows,
                      kernels.voltage.data(),
-                     doppler_->firsts() + first,
-                     doppler_->spans() + first,
-                     doppler_->away_hz() + WeighedRows::kOutputs * first,
+                     of.firsts.data() + first,
+                     of.spans.data() + first,
+                     of.away_hz.data() + WeighedRows::kOutputs * first,
                      doppler.level_cells_a_hz().data(),
                      doppler.level_spans().data(),
-                     doppler.response().table()};
+                     response.table()};
     active_kernels().sharpened_sum(sum);
-    return;
-  }
-  cancel_rows(rows,
-              {doppler_->firsts() + first, doppler_->seconds() + first, moving, doppler_->moving_echoes()});
+  };
+  if (doppler.is_canceller())
+    cancel_rows(rows, {places.firsts.data() + first, places.seconds.data() + first, moving,
+                       doppler_->moving_echoes()});
+  else
+    sharpen(places, doppler.response());
   if (sea_rows_ == nullptr) return;
   // The sea's sums beside those of the rest.
-  const auto n = static_cast<std::size_t>(rows.n);
-  const bool iq = rows.re != nullptr;
-  float rest_power[WeighedRows::kOutputs][EchoPlan::kTile];
-  float rest_iq[WeighedRows::kOutputs][2 * EchoPlan::kTile];
-  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
-    std::copy_n(rows.out_power[o] + rows.first, n, rest_power[o]);
-    if (iq) std::copy_n(rows.out_iq[o] + 2 * rows.first, 2 * n, rest_iq[o]);
-  }
+  TileSums sums;
+  sums.add(rows);
   const DopplerRows::Sea& sea = doppler_->sea();
   rows.power = sea_rows_->data() + first;
-  if (iq) rows.re = sea.re.data() + first;
-  if (iq) rows.im = sea.im.data() + first;
-  cancel_rows(rows, {sea.sin.data() + first, sea.cos.data() + first, rows.power, doppler_->sea_echoes()});
-  for (int o = 0; o < WeighedRows::kOutputs; ++o) {
-    for (std::size_t m = 0; m < n; ++m)
-      rows.out_power[o][rows.first + static_cast<int>(m)] += rest_power[o][m];
-    for (std::size_t m = 0; iq && m < 2 * n; ++m)
-      rows.out_iq[o][2 * rows.first + static_cast<int>(m)] += rest_iq[o][m];
+  if (rows.re != nullptr) rows.re = sea.re.data() + first;
+  if (rows.im != nullptr) rows.im = sea.im.data() + first;
+  if (doppler.is_canceller()) {
+    cancel_rows(rows, {sea.places.firsts.data() + first, sea.places.seconds.data() + first, rows.power,
+                       doppler_->sea_echoes()});
+    sums.add(rows);
+  } else {
+    sharpen(sea.places, doppler.sea_response().in_phase());
+    sums.add(rows);
+    sharpen(sea.places, doppler.sea_response().ahead());
+    sums.add_ahead(rows);
   }
+  sums.give(rows);
 }
 
 /// Rows behind a canceller whose weights are not a matter of the row alone.

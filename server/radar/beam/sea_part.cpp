@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 
 namespace obliq {
@@ -42,14 +41,9 @@ void SeaPart::place(const EchoPlan& plan, const SharpWedge& wedge, int azimuth) 
     power[m] = std::min(power[m], whole[m]);
     rest_power[m] = whole[m] - power[m];
   }
-  sin.resize(n);
-  cos.resize(n);
   const SinCos at = sincos_turns(plan.row_middle_rad(azimuth) / (2 * std::numbers::pi));
-  active_kernels().doppler_phasors(
-      {{static_cast<int>(n), wedge.sine_row(azimuth), doppler.turns_a_hz().data(),
-        doppler.sea_doppler().level_hz(at), doppler.sea_doppler().up_hz()},
-       sin.data(),
-       cos.data()});
+  places.level_hz = doppler.sea_doppler().level_hz(at);
+  places.place(doppler, n, wedge.sine_row(azimuth), power.data(), doppler.sea_doppler().up_hz());
   ask(kBinWork * static_cast<std::int64_t>(n));
 }
 

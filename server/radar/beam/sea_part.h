@@ -2,6 +2,7 @@
 #include <complex>
 #include <vector>
 
+#include "server/radar/beam/row_places.h"
 #include "server/radar/beam/sharp_wedge.h"
 
 namespace obliq {
@@ -13,8 +14,8 @@ void power_of_materials(const SharpWedge& wedge, int azimuth, const std::vector<
 /// The sea in a row of sharp bins, which has a Doppler of its own (DopplerPlan::sea), and the rest.
 struct SeaPart {
   // [stride]
-  std::vector<float> power;       ///< the sea's
-  std::vector<float> sin, cos;    ///< of half its turns between two pulses
+  std::vector<float> power;  ///< the sea's
+  RowPlaces places;
   std::vector<float> rest_power;  ///< what is left
   // [stride][2], as `split` leaves them: voltages in proportion to the powers' roots
   std::vector<float> iq, rest_iq;

@@ -2,11 +2,13 @@
 // What the sums over sharp bins need to know of Doppler: where each row and each output stands, and what the
 // filter makes of it.
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "server/radar/doppler/doppler_response.h"
 #include "server/radar/doppler/ground_doppler.h"
 #include "server/radar/doppler/sea_motion.h"
+#include "server/radar/doppler/spread_response.h"
 #include "server/radar/doppler/wind.h"
 #include "server/radar/settings.h"
 #include "server/radar/simd/receiver/row_doppler.h"
@@ -57,6 +59,8 @@ class DopplerPlan {
   const MovingSea& sea() const { return sea_; }
   const GroundDoppler& sea_doppler() const { return sea_doppler_; }
   const ByLag& sea_residue() const { return sea_residue_; }
+  /// And what a map makes of it (dbs, has_sea()).
+  const SpreadResponse& sea_response() const { return *sea_response_; }
   bool has_moving() const { return !windy_.empty() || has_sea(); }
   /// What is looked at is told apart by its material.
   bool needs_materials() const { return has_sea() || (!windy_.empty() && !all_windy_); }
@@ -101,6 +105,7 @@ class DopplerPlan {
   MovingSea sea_;
   GroundDoppler sea_doppler_;
   ByLag sea_residue_{};
+  std::optional<SpreadResponse> sea_response_;
   GroundDoppler ground_;
   DopplerResponse response_;
   std::vector<double> turns_a_hz_;

@@ -55,10 +55,19 @@ DopplerResponse::DopplerResponse(const RadarSettings& settings) {
     values.push_back(is_sar ? taper.transform(u) : taper.sampled(u, settings.doppler.pulses));
   }
   if (is_sar) values.back() = 0;
+  take(values);
+}
+
+DopplerResponse::DopplerResponse(const std::vector<double>& values, int period_cells)
+    : period_cells_(period_cells) {
+  take(values);
+}
+
+void DopplerResponse::take(const std::vector<double>& values) {
   steps_.reserve(values.size() + 1);
   steps_.assign(values.begin(), values.end());
   steps_.push_back(steps_.back());
-  add_polynomials(values, !is_sar);
+  add_polynomials(values, period_cells_ > 0);
 }
 
 /// Each through the five values from two steps of polynomials before it to two behind it. On either side one

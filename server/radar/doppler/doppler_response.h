@@ -27,6 +27,8 @@ class DopplerResponse {
   static constexpr double kSarCells = 24;
 
   explicit DopplerResponse(const RadarSettings& settings);
+  /// Of values each 1 / kStepsACell cells from 0 on to a half of `period_cells`, about which it is even too.
+  DopplerResponse(const std::vector<double>& values, int period_cells);
 
   double at(double cells) const;
   // Numbers of a table of so many cells.
@@ -38,6 +40,7 @@ class DopplerResponse {
   DopplerTable table() const;
 
  private:
+  void take(const std::vector<double>& values);
   void add_polynomials(const std::vector<double>& values, bool goes_on);
 
   int period_cells_ =
