@@ -59,8 +59,10 @@ struct TargetWorld::Staged {
 TargetWorld::TargetWorld(const ServerOptions& options, rendering::RenderThread& render, ExerciseLog& log,
                          Post post)
     : options_(options), render_(render), log_(log), post_(std::move(post)) {
-  reset();
-  publish();
+  begin();
+  ++version_;
+  is_published_ = false;
+  publish();  // not posted: the io thread may run already
 }
 
 TargetWorld::~TargetWorld() = default;
@@ -350,13 +352,17 @@ void TargetWorld::publish() {
   render_.set_targets(published_);
 }
 
-void TargetWorld::reset() {
+void TargetWorld::begin() {
   all_.clear();
   for (TargetConfig target : options_.targets) {
     target.target.arrived_ns = now_ns();
     target.lay_route();
     all_.emplace(target.target.id, std::move(target));
   }
+}
+
+void TargetWorld::reset() {
+  begin();
   changed();
 }
 

@@ -109,6 +109,8 @@ class TargetWorld {
   Outcome commit(const wire::SetTargets& request, const std::string& by);
   std::vector<FieldError> too_much(const wire::SetTargets& request, const Change& change) const;
   wire::Target message_of(const TargetConfig& target) const;
+  /// Those of the options, and no others.
+  void begin();
   /// The render thread gets a snapshot before long: one of all that has been set meanwhile.
   void changed();
   void publish();
