@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/radar/beam/doppler_fault.h"
+#include "server/radar/beam/sub_bins.h"
 #include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/narrow_bins.h"
 #include "server/radar/sea_state.h"
@@ -51,9 +52,10 @@ void place_moving(const Scene& scene, const RadarSettings& settings, const glm::
     if (is_windy) place.windy.push_back(static_cast<int>(id));
     place.all_windy = place.all_windy && is_windy;
   }
-  if (!place.sea.materials.empty())
-    place.sea.velocity =
-        in_sector(antenna_m_s - sea_velocity_m_s(settings, pose), settings, pose, place.axes);
+  if (place.sea.materials.empty()) return;
+  place.sea.velocity = in_sector(antenna_m_s - sea_velocity_m_s(settings, pose), settings, pose, place.axes);
+  place.sea.beam_rad =
+      settings.beam.pattern == BeamPattern::off ? settings.azimuth_bin_rad() : narrowest_beam_rad(settings);
 }
 
 EchoPlace place_of(const Scene& scene, const RadarSettings& settings, const Pose& pose) {

@@ -10,6 +10,7 @@
 #include "server/radar/narrow_bins.h"
 #include "server/radar/rays/perspective_rays.h"
 #include "server/radar/render.h"
+#include "server/radar/sea_state.h"
 #include "server/radar/sweep/sweep_echoes.h"
 #include "server/radar/visibility/wedge_visibility.h"
 
@@ -20,6 +21,12 @@ namespace {
 constexpr std::int64_t kBytesOfBatches = 2'500'000;
 
 }  // namespace
+
+bool may_need_materials(const RadarSettings& s) {
+  const bool has_wind = s.atmosphere.wind_m_s > 0 && s.mode != RadarMode::dbs;
+  return (s.mode == RadarMode::mti || s.mode == RadarMode::dbs || s.mode == RadarMode::pulses) &&
+         (has_wind || sea_state(s) > 0);
+}
 
 std::int64_t wedge_bytes(const RadarSettings& s, int label_materials) {
   const std::int64_t of_labels =

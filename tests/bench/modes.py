@@ -14,6 +14,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 BEAM = ["beam.pattern=gaussian", "beam.width_deg=3", "radar.frequency_ghz=9.4", "radar.sector_deg=60", "frustum.kind=sweep",
         "antenna.bearing_deg=0"]
 FLYING = ["antenna.velocity_north_m_s=130", "antenna.velocity_east_m_s=75"]
+SEA = ["materials.terrain.model=sea", "sea.state=3", "sea.shape=0"]
 SCANNING = ["scan.mode=sector"]
 PATCH = ["radar.frequency_ghz=9.4", "radar.sector_deg=8.8", "frustum.kind=sweep", "radar.r_min_m=18500", "radar.r_max_m=21500",
          "pulse.kind=compressed", "antenna.velocity_east_m_s=150"]
@@ -22,6 +23,8 @@ RUNS = {
     "mti": BEAM + ["radar.mode=mti"],
     "mti, clutter lock": BEAM + FLYING + ["radar.mode=mti", "doppler.clutter_lock=true", "pulse.prf_hz=2000"],
     "dbs of 64 ms": BEAM + FLYING + ["radar.mode=dbs", "doppler.pulses=64"],
+    "map, sea": BEAM + FLYING + SEA,
+    "dbs of 64 ms, sea": BEAM + FLYING + SEA + ["radar.mode=dbs", "doppler.pulses=64"],
     "map, scanning": BEAM + FLYING + SCANNING,
     "mti, scanning": BEAM + SCANNING + ["radar.mode=mti"],
     "mti, scanning, wind": BEAM + SCANNING + ["radar.mode=mti", "atmosphere.wind_m_s=5", "materials.terrain.wind=true"],

@@ -25,8 +25,8 @@ rendering::FrameCost rendering_cost(const RadarSettings& settings, wire::PlaneSe
   cost.pixels = settings.pixel_columns * rows;
   cost.bins = std::int64_t{settings.azimuth_bins} * settings.range_bins;
   cost.samples = pulse_samples(settings);
-  const RenderingSize size = rendering_size(settings, threads_of(options),
-                                            (planes & wire::kLabelPlanes) != 0 ? options.materials : 0);
+  const bool materials = (planes & wire::kLabelPlanes) != 0 || may_need_materials(settings);
+  const RenderingSize size = rendering_size(settings, threads_of(options), materials ? options.materials : 0);
   cost.plan_taps = size.plan_taps;
   cost.bytes = size.bytes;
   return cost;

@@ -48,11 +48,15 @@ DopplerRows::DopplerRows(const EchoPlan& plan)
 void DopplerRows::take(const std::vector<const SharpWedge*>& rows, int first_row, Voltages voltages,
                        std::uint64_t key) {
   rows_.clear();
-  places_ = {};
+  for (Places* const places : {&places_, &sea_.places}) {
+    places->firsts.clear();
+    places->seconds.clear();
+    places->spans.clear();
+  }
+  for (auto* const rows_of : {&sea_.power, &sea_.re, &sea_.im}) rows_of->clear();
   moving_.clear();
   re_.clear();
   im_.clear();
-  sea_ = {};
   const bool has_sea = plan_.doppler->has_sea();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const int azimuth = plan_.sharp_azimuth(first_row + static_cast<int>(k));
@@ -141,7 +145,7 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   if (plan_.doppler->is_of_beam()) return;
   const bool has_sea = plan_.doppler->has_sea();
   if (has_sea && row.iq != nullptr) {
-    row.sea.split(row.iq, row.power);
+    row.sea.split(plan_, row.azimuth, row.iq, row.power);
     row.iq = row.sea.rest_iq.data();
   }
   if (has_sea) row.power = row.sea.rest_power.data();
@@ -192,13 +196,33 @@ const float* DopplerRows::moving_of(std::size_t k, int kind, const float* power)
   return row.other_moving.data();
 }
 
-const float* DopplerRows::filtered(std::size_t k, const float* power, const float* moving, bool is_sea) {
-  if (!plan_.doppler->is_of_rows()) return power;
+DopplerRows::LabelPowers DopplerRows::powers_of(std::size_t k, int kind, const float* power) {
+  const DopplerPlan& doppler = *plan_.doppler;
+  if (!doppler.has_sea()) return {power, nullptr};
+  if (std::ranges::binary_search(doppler.sea().materials, kind)) return {nullptr, power};
+  if (kind != LabelShare::kHeights) return {power, nullptr};
+  // Heights by power.
   Row& row = *rows_[k];
-  row.other_power.resize(stride_);
-  const Echoes of_rest{row.places.first.data(), power, moving, moving_echoes_, nullptr};
-  const Echoes of_sea{row.sea.places.first.data(), power, power, sea_echoes_, nullptr};
-  cancel(is_sea ? of_sea : of_rest, row.other_power.data(), nullptr);
+  row.rest_power.resize(stride_);
+  row.sea_power.resize(stride_);
+  for (std::size_t m = 0; m < stride_; ++m) {
+    row.sea_power[m] = row.whole[m] > 0 ? power[m] * (row.sea.power[m] / row.whole[m]) : 0;
+    row.rest_power[m] = power[m] - row.sea_power[m];
+  }
+  ask(static_cast<std::int64_t>(stride_));
+  return {row.rest_power.data(), row.sea_power.data()};
+}
+
+const float* DopplerRows::filtered(std::size_t k, const LabelPowers& of, const float* moving) {
+  Row& row = *rows_[k];
+  row.other_power.assign(stride_, 0);
+  if (of.rest != nullptr)
+    cancel({row.places.first.data(), of.rest, moving, moving_echoes_, nullptr}, row.other_power.data(),
+           nullptr);
+  if (of.sea == nullptr) return row.other_power.data();
+  std::vector<float> sea(stride_);
+  cancel({row.sea.places.first.data(), of.sea, of.sea, sea_echoes_, nullptr}, sea.data(), nullptr);
+  for (std::size_t m = 0; m < stride_; ++m) row.other_power[m] += sea[m];
   return row.other_power.data();
 }
 

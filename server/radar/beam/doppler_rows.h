@@ -48,9 +48,15 @@ class DopplerRows {
   /// Of the power that a label has in row k (LabelShare::kind), what moves in the wind; null: nothing. Until
   /// the next call for k.
   const float* moving_of(std::size_t k, int kind, const float* power);
-  /// That power behind the same canceller; until the next call for k. moving: of it; is_sea: all of it is, or
-  /// none.
-  const float* filtered(std::size_t k, const float* power, const float* moving, bool is_sea);
+  /// That power, in what is the sea's and what is not; null: nothing is. Until the next call for k.
+  struct LabelPowers {
+    const float* rest;
+    const float* sea;
+  };
+  LabelPowers powers_of(std::size_t k, int kind, const float* power);
+  /// Both together behind the row's own canceller (is_of_rows()); until the next call for k. moving: of the
+  /// rest.
+  const float* filtered(std::size_t k, const LabelPowers& of, const float* moving);
   /// The sea in all taken, where plan.doppler->has_sea() and rows are not filtered by themselves: power,
   /// re and im are of the rest.
   struct Sea {
@@ -78,7 +84,7 @@ class DopplerRows {
     const float* power = nullptr;
     const float* iq = nullptr;
     RowPlaces places;
-    std::vector<float> own_power, own_iq, re, im, other_power, moving, other_moving;
+    std::vector<float> own_power, own_iq, re, im, other_power, moving, other_moving, rest_power, sea_power;
     const float* whole = nullptr;  // its power before the canceller
     SeaPart sea;
   };

@@ -110,21 +110,33 @@ void EchoSums::sum_labels(const std::vector<const SharpWedge*>& rows, BinBlock& 
   for (const SharpWedge* wedge : rows)
     for (const LabelShare& label : wedge->label_powers) kinds.insert(label.kind);
   Rows power_rows(static_cast<std::size_t>(plan_.rows_of(kLanesOut)));
-  Rows moving_rows(power_rows.size());
+  Rows moving_rows(power_rows.size()), sea_rows(power_rows.size());
   if (moving_rows_ != nullptr) moving_rows_ = moving_rows.data();
   for (const int kind : kinds) {
     std::ranges::fill(power_rows, zeros_.data());
-    const bool is_sea = doppler_ && std::ranges::binary_search(plan_.doppler->sea().materials, kind);
     std::ranges::fill(moving_rows, zeros_.data());
+    std::ranges::fill(sea_rows, zeros_.data());
+    sea_rows_ = nullptr;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const float* row = rows[k]->label_row(plan_.sharp_azimuth(first_row + static_cast<int>(k)), kind);
       if (row == nullptr) continue;
-      const float* moving = doppler_ ? doppler_->moving_of(k, kind, row) : nullptr;
-      power_rows[k] = doppler_ ? doppler_->filtered(k, row, moving, is_sea) : row;
+      if (!doppler_) {
+        power_rows[k] = row;
+        continue;
+      }
+      const float* const moving = doppler_->moving_of(k, kind, row);
+      const DopplerRows::LabelPowers of = doppler_->powers_of(k, kind, row);
+      if (plan_.doppler->is_of_rows()) {
+        power_rows[k] = doppler_->filtered(k, of, moving);
+        continue;
+      }
+      if (of.rest != nullptr) power_rows[k] = of.rest;
       if (moving != nullptr) moving_rows[k] = moving;
+      if (of.sea == nullptr) continue;
+      sea_rows[k] = of.sea;
+      sea_rows_ = &sea_rows;
     }
-    sea_rows_ = is_sea ? &power_rows : nullptr;
-    sum_azimuths({{kPower, is_sea && !plan_.doppler->shares_weights() ? &zero_rows_ : &power_rows}}, bins);
+    sum_azimuths({{kPower, &power_rows}}, bins);
     float* share = label_share(bins, kind).data();
     for (int o = 0; o < bins.n_azimuth; ++o, share += plan_.n_range) {
       sum_ranges(kPower, static_cast<std::size_t>(o));

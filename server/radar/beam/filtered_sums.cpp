@@ -68,12 +68,14 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
     if (kind == kIq) rows.re = doppler_->re() + first;
     if (kind == kIq) rows.im = doppler_->im() + first;
   }
-  ask(std::int64_t{span.n} * WeighedRows::kOutputs * EchoPlan::kTile * kWeights / kProducts);
+  const std::int64_t work =
+      std::int64_t{span.n} * WeighedRows::kOutputs * EchoPlan::kTile * kWeights / kProducts;  // of a sum
   const DopplerPlan& doppler = *plan_.doppler;
   const float* const* const moving = moving_rows_ == nullptr ? nullptr : moving_rows_ + first;
   const AzimuthKernels& kernels = plan_.kernels;
   const DopplerRows::Places& places = doppler_->places();
   const auto sharpen = [&](const DopplerRows::Places& of, const DopplerResponse& response) {
+    ask(work);
     SharpenedSum sum{rows,
                      kernels.voltage.data(),
                      of.firsts.data() + first,
@@ -84,9 +86,13 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
                      response.table()};
     active_kernels().sharpened_sum(sum);
   };
+  const auto cancel = [&](const DopplerRows::Places& of, const float* const* parts,
+                          const MovingEchoes& echoes) {
+    ask(work);
+    cancel_rows(rows, {of.firsts.data() + first, of.seconds.data() + first, parts, echoes});
+  };
   if (doppler.is_canceller())
-    cancel_rows(rows, {places.firsts.data() + first, places.seconds.data() + first, moving,
-                       doppler_->moving_echoes()});
+    cancel(places, moving, doppler_->moving_echoes());
   else
     sharpen(places, doppler.response());
   if (sea_rows_ == nullptr) return;
@@ -98,8 +104,7 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
   if (rows.re != nullptr) rows.re = sea.re.data() + first;
   if (rows.im != nullptr) rows.im = sea.im.data() + first;
   if (doppler.is_canceller()) {
-    cancel_rows(rows, {sea.places.firsts.data() + first, sea.places.seconds.data() + first, rows.power,
-                       doppler_->sea_echoes()});
+    cancel(sea.places, rows.power, doppler_->sea_echoes());
     sums.add(rows);
   } else {
     sharpen(sea.places, doppler.sea_response().in_phase());

@@ -17,7 +17,8 @@ void RowPlaces::place(const DopplerPlan& doppler, std::size_t stride, const floa
   ask(kPlaceWork * static_cast<std::int64_t>(stride));
   if (!doppler.is_canceller()) {
     spans.resize(stride / CellSpan::kBins);
-    active_kernels().doppler_cells({of, doppler.level_sine().data(), power, first.data(), spans.data()});
+    active_kernels().doppler_cells(
+        {of, doppler.ground().up_hz(), doppler.level_sine().data(), power, first.data(), spans.data()});
     return;
   }
   second.resize(stride);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "terrain/base/asking.h"
+#include "terrain/base/hash.h"
 
 namespace obliq {
 namespace {
@@ -47,8 +49,9 @@ void SeaPart::place(const EchoPlan& plan, const SharpWedge& wedge, int azimuth) 
   ask(kBinWork * static_cast<std::int64_t>(n));
 }
 
-void SeaPart::split(const float* whole_iq, const float* whole_power) {
+void SeaPart::split(const EchoPlan& plan, int azimuth, const float* whole_iq, const float* whole_power) {
   const std::size_t n = power.size();
+  const std::uint64_t first = first_of_sharp_row(plan, azimuth);
   iq.resize(2 * n);
   rest_iq.resize(2 * n);
   re.resize(n);
@@ -56,10 +59,17 @@ void SeaPart::split(const float* whole_iq, const float* whole_power) {
   for (std::size_t m = 0; m < n; ++m) {
     const float share = whole_power[m] > 0 ? power[m] / whole_power[m] : 0;
     const float of_sea = std::sqrt(share), of_rest = std::sqrt(std::max(0.0F, 1 - share));
-    re[m] = iq[2 * m] = of_sea * whole_iq[2 * m];
-    im[m] = iq[2 * m + 1] = of_sea * whole_iq[2 * m + 1];
     rest_iq[2 * m] = of_rest * whole_iq[2 * m];
     rest_iq[2 * m + 1] = of_rest * whole_iq[2 * m + 1];
+    re[m] = of_sea * whole_iq[2 * m];
+    im[m] = of_sea * whole_iq[2 * m + 1];
+    if (share > 0 && of_rest > 0) {
+      const std::uint64_t quarters = mix64(first + m);
+      if ((quarters & 1) != 0) re[m] = std::exchange(im[m], -re[m]);
+      if ((quarters & 2) != 0) re[m] = -re[m], im[m] = -im[m];
+    }
+    iq[2 * m] = re[m];
+    iq[2 * m + 1] = im[m];
   }
   ask(kBinWork * static_cast<std::int64_t>(n));
 }

@@ -152,14 +152,18 @@ void SharpWedge::take_labels(BinBlock& bins) {
   }
 }
 
-void draw_sharp_row(const EchoPlan& plan, int azimuth, std::uint64_t key, const float* power, float* iq) {
+std::uint64_t first_of_sharp_row(const EchoPlan& plan, int azimuth) {
   constexpr std::uint64_t kBeside = std::uint64_t{1} << 30;  // more bins than a halo has
-  const std::size_t stride = sharp_stride(plan);
-  ask(2 * static_cast<std::int64_t>(stride));
   const std::uint64_t row =
       kBeside + static_cast<std::uint64_t>(azimuth) - static_cast<std::uint64_t>(plan.first_azimuth);
-  const std::uint64_t range = kBeside - static_cast<std::uint64_t>(plan.first_range);
-  active_kernels().draw_speckle({key, (row << 32) + range, static_cast<int>(stride), power, iq});
+  return (row << 32) + kBeside - static_cast<std::uint64_t>(plan.first_range);
+}
+
+void draw_sharp_row(const EchoPlan& plan, int azimuth, std::uint64_t key, const float* power, float* iq) {
+  const std::size_t stride = sharp_stride(plan);
+  ask(2 * static_cast<std::int64_t>(stride));
+  active_kernels().draw_speckle(
+      {key, first_of_sharp_row(plan, azimuth), static_cast<int>(stride), power, iq});
 }
 
 void SharpWedge::draw_look(const EchoPlan& plan, std::uint64_t key) {

@@ -80,6 +80,10 @@ struct SharpWedge {
 };
 using SharpWedgePtr = std::shared_ptr<const SharpWedge>;
 
+/// A number of a row's first bin, of which those behind it count up: the same of a sharp bin in a frame and
+/// in its dwells.
+std::uint64_t first_of_sharp_row(const EchoPlan& plan, int azimuth);
+
 /// I&Q of a row of sharp bins about its mean power, which belong to its place in the output frame: how far
 /// beyond that the sharp one reaches does not matter.
 void draw_sharp_row(const EchoPlan& plan, int azimuth, std::uint64_t key, const float* power, float* iq);

@@ -34,6 +34,7 @@ struct SeaMotion {
 struct MovingSea {
   std::vector<int> materials = {};  ///< sorted; empty: none
   SectorVelocity velocity = {};     ///< of the antenna over it
+  double beam_rad = 0;              ///< that looks at it, half power
 };
 
 /// What a canceller leaves of the sea over its mean power, as moving_residue: sum of a[k] cos(k phase), phase

@@ -30,16 +30,35 @@ std::vector<double> lags_of(const std::vector<double>& weights, double deviation
   return lags;
 }
 
-/// sum of lags[l] cos(l x), by Clenshaw's recurrence.
-double cosine_sum(const std::vector<double>& lags, double x) {
-  const double twice = 2 * std::cos(x);
-  double next = 0, after = 0;
-  for (std::size_t l = lags.size() - 1; l > 0; --l) {
-    const double at = lags[l] + twice * next - after;
-    after = next;
-    next = at;
+constexpr std::size_t kTogether = 8;  // chains of additions that do not wait for each other
+
+/// To sum[k] adds lags[l] cos(l x[k]) for all l, by Clenshaw's recurrence.
+void add_cosines(const std::vector<double>& lags, const double* x, double* sum) {
+  double twice[kTogether], next[kTogether] = {}, after[kTogether] = {};
+  for (std::size_t k = 0; k < kTogether; ++k) twice[k] = 2 * std::cos(x[k]);
+  for (std::size_t l = lags.size() - 1; l > 0; --l)
+    for (std::size_t k = 0; k < kTogether; ++k) {
+      const double at = lags[l] + twice[k] * next[k] - after[k];
+      after[k] = next[k];
+      next[k] = at;
+    }
+  for (std::size_t k = 0; k < kTogether; ++k) sum[k] += lags[0] + twice[k] / 2 * next[k] - after[k];
+}
+
+/// The power's root at each step from 0 to half of its period of n cells.
+std::vector<double> root_of_power(const std::vector<double>& lags, int n) {
+  const auto steps = static_cast<std::size_t>(n * kStepsACell / 2) + 1;
+  std::vector<double> power((steps + kTogether - 1) / kTogether * kTogether);
+  for (std::size_t first = 0; first < steps; first += kTogether) {
+    ask(static_cast<std::int64_t>(lags.size()));
+    double x[kTogether];
+    for (std::size_t k = 0; k < kTogether; ++k)
+      x[k] = 2 * kPi * static_cast<double>(first + k) / kStepsACell / n;
+    add_cosines(lags, x, power.data() + first);
   }
-  return lags[0] + twice / 2 * next - after;
+  power.resize(steps);
+  for (double& value : power) value = std::sqrt(std::max(0.0, value));
+  return power;
 }
 
 /// The mean square of time in a train under these weights, in trains.
@@ -54,34 +73,44 @@ double spread_of_train2(const std::vector<double>& weights) {
   return squares / sum;
 }
 
-}  // namespace
+/// What a beam of so many cells shows of echoes u cells beside its middle, in voltage.
+double shown(double u, double beam_cells) {
+  const double of_beam = u / std::max(1.0, beam_cells);
+  return std::exp(-4 * std::numbers::ln2 * of_beam * of_beam);
+}
 
-SpreadResponse::SpreadResponse(const DopplerSettings& settings, double deviation_cells)
-    : SpreadResponse(parts_of(settings, deviation_cells), 2 * settings.pulses) {}
-
-SpreadResponse::Parts SpreadResponse::parts_of(const DopplerSettings& settings, double deviation_cells) {
-  const int n = settings.pulses;
-  const std::vector<double> weights = doppler_taper(settings).sampled_weights(n);
-  const std::vector<double> lags = lags_of(weights, deviation_cells);
-  // The power is even about 0 and about half of its period of N cells.
-  const int half = n * kStepsACell / 2;
-  std::vector<double> root;
-  double sum = 0, squares = 0, rises = 0;
-  for (int k = 0; k <= half; ++k) {
-    ask(static_cast<std::int64_t>(lags.size()));
+/// c, which root(u) at a phase of pi c u^2 needs for the spread in time of a train under these weights.
+double chirp(const std::vector<double>& root, const std::vector<double>& weights, double beam_cells) {
+  double sum = 0, squares = 0, rises = 0, last = root[0];
+  for (std::size_t k = 0; k < root.size(); ++k) {
     const double u = static_cast<double>(k) / kStepsACell;
-    root.push_back(std::sqrt(std::max(0.0, cosine_sum(lags, 2 * kPi * u / n))));
-    sum += root.back() * root.back();
-    squares += u * u * root.back() * root.back();
-    if (k > 0) rises += std::pow((root.back() - root[root.size() - 2]) * kStepsACell, 2);
+    const double value = root[k] * shown(u, beam_cells);
+    sum += value * value;
+    squares += u * u * value * value;
+    rises += std::pow((value - last) * kStepsACell, 2);
+    last = value;
   }
   const double own = rises / sum / (4 * kPi * kPi);
-  const double chirp = std::sqrt(std::max(0.0, spread_of_train2(weights) - own) * sum / squares);
+  return std::sqrt(std::max(0.0, spread_of_train2(weights) - own) * sum / squares);
+}
+
+}  // namespace
+
+SpreadResponse::SpreadResponse(const DopplerSettings& settings, double deviation_cells, double beam_cells)
+    : SpreadResponse(parts_of(settings, deviation_cells, beam_cells), 2 * settings.pulses) {}
+
+SpreadResponse::Parts SpreadResponse::parts_of(const DopplerSettings& settings, double deviation_cells,
+                                               double beam_cells) {
+  const int n = settings.pulses;
+  const std::vector<double> weights = doppler_taper(settings).sampled_weights(n);
+  const std::vector<double> root = root_of_power(lags_of(weights, deviation_cells), n);
+  const double c = chirp(root, weights, beam_cells);
+  // The power is even about 0 and about half of its period.
   Parts parts;
   for (int k = 0; k <= n * kStepsACell; ++k) {
     const int within = std::min(k, n * kStepsACell - k);
     const double u = static_cast<double>(within) / kStepsACell;
-    const double phase = kPi * chirp * u * u, value = root[static_cast<std::size_t>(within)];
+    const double phase = kPi * c * u * u, value = root[static_cast<std::size_t>(within)];
     parts.in_phase.push_back(value * std::cos(phase));
     parts.ahead.push_back(value * std::sin(phase));
   }

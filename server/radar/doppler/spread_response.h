@@ -9,11 +9,14 @@ namespace obliq {
 /// Power: the mean of D^2 over the Gaussian. With the weights' autocorrelation a[l] it is sum over l of
 /// a[l] exp(-2 (pi s l / N)^2) cos(2 pi l u / N), s the deviation in cells.
 /// Voltages: an echo keeps its own, times the root of that power, at a phase of pi c u^2. So neighbouring
-/// outputs are no more alike than outputs of the filter are, however wide the Gaussian: c makes their
-/// correlation as wide as that of a train under these weights (the second moments of both in time agree).
+/// outputs are no more alike than those of the filter are, however wide the Gaussian: c makes their
+/// correlation as wide as that of a train under these weights (the second moments of both in time agree, over
+/// what the beam shows in the sector's middle). It is some tenth off where sidelobes or the beam's edge
+/// count: without a window, or in a beam of fewer cells than the Gaussian is wide.
 class SpreadResponse {
  public:
-  SpreadResponse(const DopplerSettings& settings, double deviation_cells);
+  /// beam_cells: of its half power width (cells_in_beam).
+  SpreadResponse(const DopplerSettings& settings, double deviation_cells, double beam_cells);
 
   /// The weight's parts in phase and a quarter turn ahead; their squares add up to the power.
   const DopplerResponse& in_phase() const { return in_phase_; }
@@ -23,7 +26,7 @@ class SpreadResponse {
   struct Parts {
     std::vector<double> in_phase, ahead;
   };
-  static Parts parts_of(const DopplerSettings& settings, double deviation_cells);
+  static Parts parts_of(const DopplerSettings& settings, double deviation_cells, double beam_cells);
   SpreadResponse(const Parts& parts, int period_cells)
       : in_phase_(parts.in_phase, period_cells), ahead_(parts.ahead, period_cells) {}
 

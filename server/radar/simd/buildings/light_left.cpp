@@ -65,7 +65,10 @@ struct Nodes {
     return n - 1 - k >= kFloatLanes ? 0xffffU : (1U << max(0, n - 1 - k)) - 1;
   }
   /// Bits of those from which something is hidden.
-  unsigned hiding(int k) const { return movemask(load_floats(hidden + k) > 0.0F) & with_next(k); }
+  unsigned hiding(int k) const {
+    return movemask((load_floats(hidden + k) > 0.0F) & (load_floats(range_bin + k) < kFarBehind)) &
+           with_next(k);
+  }
   int first_hiding() const {
     for (int k = 0; k < n - 1; k += kFloatLanes)
       if (const unsigned some = hiding(k); some != 0) return k + __builtin_ctz(some);
@@ -79,16 +82,16 @@ struct Nodes {
 };
 
 /// What is visible and hidden up to the edges of range bins, which lie between nodes. Both grow evenly from
-/// node to node.
+/// node to node. Where ground lies over nearer ground an edge is where it is first passed.
 class BinEdges {
  public:
-  /// from: the first whose bin is looked at; visible: before it, if no node lies there.
-  BinEdges(const Nodes& nodes, int n_range, int from, double visible, LightLeft& out)
-      : nodes_(nodes), n_range_(n_range), out_(out), next_edge_(from + 1) {
-    put(from, visible, 0);
+  /// from: the first whose bin is looked at, by nodes from `node` on, which shows all before it.
+  BinEdges(const Nodes& nodes, int n_range, int from, int node, LightLeft& out)
+      : nodes_(nodes), n_range_(n_range), node_(node), from_(from), next_edge_(from), out_(out) {
+    put(from, static_cast<double>(nodes.light[node]), 0);
   }
 
-  /// Goes on with sixteen nodes. False: no edge lies behind one of them.
+  /// Goes on with sixteen nodes. False: no edge that is new lies behind one of them.
   bool take(int k) {
     const f32x16 end = all_lanes(static_cast<float>(n_range_ + 1));
     Block block;
@@ -97,7 +100,7 @@ class BinEdges {
     block.length = next - block.here;
     block.light = load_floats(nodes_.light + k);
     block.grows = load_floats(nodes_.light + k + 1) - block.light;
-    const unsigned with_next = nodes_.with_next(k);
+    unsigned with_next = nodes_.with_next(k);
     block.hides = select(mask16_from(with_next), load_floats(nodes_.hidden + k), f32x16{});
     if (nodes_.light != nodes_.horizon) {
       const f32x16 rise = load_floats(nodes_.horizon + k + 1) - load_floats(nodes_.horizon + k);
@@ -106,20 +109,23 @@ class BinEdges {
     block.hidden = sums_so_far(block.hides);
     block.first = ceiling(min(max(block.here, f32x16{}), end));
     block.last = ceiling(min(max(next, f32x16{}), end));
+    if (node_ > k) with_next &= ~((1U << min(node_ - k, 31)) - 1);
+    const int before = next_edge_;
     const unsigned crossed = movemask(block.last > block.first) & with_next;
-    if (crossed != 0) {
-      next_edge_ = block.last[31 - __builtin_clz(crossed)];
-      if ((movemask((block.last > block.first + 1) | (block.first > block.last)) & with_next) == 0)
-        put_each(block, crossed);
-      else
-        put_all(block, with_next);
-    }
+    const unsigned askew = movemask((block.last > block.first + 1) | (block.first > block.last)) & with_next;
+    if (crossed != 0 && askew == 0 && block.first[__builtin_ctz(crossed)] == before)
+      put_each(block, crossed);
+    else if ((movemask(block.last > before) & with_next) != 0)
+      put_all(block, with_next);
     hidden_ += static_cast<double>(block.hidden[kFloatLanes - 1]);
-    return crossed != 0;
+    return next_edge_ > before;
   }
 
   /// Behind the last node nothing grows.
-  void put_last() { put(next_edge_++, static_cast<double>(nodes_.light[nodes_.n - 1]), hidden_); }
+  void put_last() {
+    next_edge_ = max(next_edge_, from_ + 1);
+    put(next_edge_++, static_cast<double>(nodes_.light[nodes_.n - 1]), hidden_);
+  }
   /// Behind the last edge that is known.
   int next_edge() const { return next_edge_; }
 
@@ -150,14 +156,17 @@ class BinEdges {
     };
     put_half(low_half(block.light), low_half(grown), low_half(hidden), marked & 0xff);
     put_half(high_half(block.light), high_half(grown), high_half(hidden), marked >> 8);
+    next_edge_ = edge;
   }
 
+  /// Any edges behind each node with a next one that lies beyond them.
   void put_all(const Block& block, unsigned with_next) {
     for (; with_next != 0; with_next &= with_next - 1) {
       const int k = __builtin_ctz(with_next);
-      for (int edge = block.first[k]; edge < block.last[k]; ++edge) {
-        const float part = (static_cast<float>(edge) - block.here[k]) / block.length[k];
-        put(edge, static_cast<double>(block.light[k]) + static_cast<double>(part * block.grows[k]),
+      for (; next_edge_ < block.last[k]; ++next_edge_) {
+        const float past = static_cast<float>(next_edge_) - block.here[k];
+        const float part = past > 0 ? past / block.length[k] : 0;
+        put(next_edge_, static_cast<double>(block.light[k]) + static_cast<double>(part * block.grows[k]),
             hidden_ + static_cast<double>(block.hidden[k] + (part - 1.0F) * block.hides[k]));
       }
     }
@@ -165,9 +174,10 @@ class BinEdges {
 
   const Nodes nodes_;
   int n_range_;
+  int node_, from_;
+  int next_edge_;
   LightLeft& out_;
   double hidden_ = 0;  // up to the block
-  int next_edge_;
 };
 
 }  // namespace
@@ -182,7 +192,7 @@ void light_left(const NodeProfiles& all, int plane, int n_range, LightLeft& out)
   if (from >= n_range) return;
   // Back to the node before that bin, if ground is known there.
   while (k > 0 && nodes.range_bin[k] > static_cast<float>(from) && nodes.range_bin[k - 1] < kFarBehind) --k;
-  BinEdges edges(nodes, n_range, from, static_cast<double>(nodes.light[k]), out);
+  BinEdges edges(nodes, n_range, from, k, out);
   const int last = nodes.last_hiding();
   k = k / kFloatLanes * kFloatLanes;
   for (bool ends = false; !ends && k + 1 < nodes.n && edges.next_edge() <= n_range; k += kFloatLanes)

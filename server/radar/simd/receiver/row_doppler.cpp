@@ -16,9 +16,9 @@ OBLIQ_INLINE f64x8 turns_of(const DopplerRow& row, int k) {
 OBLIQ_INLINE f32x8 beside_level(const DopplerCells& to, int k) {
   const f64x8 sine = converted<double>(load_as<f32x8>(to.row.sine + k));
   const f64x8 level = converted<double>(load_as<f32x8>(to.level_sine + k));
-  return converted<float>(
-      (to.row.level_hz * (cosine_of(sine) - cosine_of(level)) + to.row.up_hz * (sine - level)) *
-      load(to.row.turns_a_hz + k));
+  const f64x8 hz = to.row.level_hz * (cosine_of(sine) - cosine_of(level)) + to.row.up_hz * (sine - level) +
+                   (to.row.up_hz - to.level_up_hz) * level;
+  return converted<float>(hz * load(to.row.turns_a_hz + k));
 }
 
 }  // namespace

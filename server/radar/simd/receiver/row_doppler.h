@@ -24,6 +24,7 @@ struct CellSpan {
 /// Cells, less those of level ground at the same azimuth and range, and where those lie that have power.
 struct DopplerCells {
   DopplerRow row;           ///< n: a multiple of CellSpan::kBins
+  double level_up_hz;       ///< up_hz of the level ground
   const float* level_sine;  ///< of level ground
   const float* power;
   float* beside_level;

@@ -250,15 +250,16 @@ TEST(DopplerCells, AreThoseBesideLevelGround) {
     std::vector<float> cells(kBins);
     CellSpan spans[2];
     kernels.doppler_cells({{kBins, sine.data(), turns_a_hz.data(), 8000, 200},
+                           170,
                            level_sine.data(),
                            power.data(),
                            cells.data(),
                            spans});
     double low = 1e9, high = -1e9;
     for (std::size_t x = 0; x < kBins; ++x) {
-      const auto hz = [](double sin) { return 8000 * std::sqrt(1 - sin * sin) + 200 * sin; };
+      const auto hz = [](double sin, double up_hz) { return 8000 * std::sqrt(1 - sin * sin) + up_hz * sin; };
       const double wanted =
-          0.064 * (hz(static_cast<double>(sine[x])) - hz(static_cast<double>(level_sine[x])));
+          0.064 * (hz(static_cast<double>(sine[x]), 200) - hz(static_cast<double>(level_sine[x]), 170));
       EXPECT_NEAR(cells[x], wanted, 1e-6 * std::abs(wanted));
       if (x >= CellSpan::kBins || power[x] == 0) continue;
       low = std::min(low, wanted);

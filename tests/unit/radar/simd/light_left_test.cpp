@@ -45,10 +45,12 @@ Profile any_profile(std::mt19937& random) {
   const float step = std::pow(10.0F, 2 * share(random) - 1.5F);
   const float many = share(random);
   const int unknown = share(random) < 0.2F ? std::uniform_int_distribution(1, 40)(random) : 0;
-  float top = -1, bin = 10 * share(random) - 8;
+  const float turns = share(random) < 0.3F ? 0.2F : 0;
+  float top = -1, bin = 10 * share(random) - 8, direction = 1;
   for (int k = 0; k < p.stride; ++k) {
     if (share(random) < 0.7F) top += 0.01F * share(random);
-    bin += step * (0.5F + share(random));
+    if (share(random) < turns) direction = -direction;
+    bin += direction * step * (0.5F + share(random));
     const bool known = k >= unknown;
     p.horizon.push_back(known ? top : -1e9F);
     p.sine.push_back(known ? top / std::sqrt(1 + top * top) : -1);
@@ -58,22 +60,24 @@ Profile any_profile(std::mt19937& random) {
   return p;
 }
 
-/// Up to an edge, from k on: what has grown of the light, and what of that is hidden. Light grows evenly from
-/// node to node.
+/// Where an edge is passed for the first time, from a node on that is not behind `from`: how far to the left
+/// of it nodes lie, and the rest of the way to the next. Light grows evenly from node to node.
 struct UpTo {
   double visible = 0, hidden = 0;
 };
-UpTo up_to(const Profile& p, int first, double edge) {
+UpTo up_to(const Profile& p, int node, double edge) {
   const auto& light = p.sines ? p.sine : p.horizon;
   UpTo sum;
-  for (int k = first; k + 1 < p.n_nodes; ++k) {
+  for (int k = node; k + 1 < p.n_nodes; ++k) {
     const auto at = static_cast<std::size_t>(k);
     const double here = p.range_bin[at], next = p.range_bin[at + 1];
-    const double part = std::clamp((edge - here) / (next - here), 0.0, 1.0);
+    const bool passed = next > edge;
+    const double part = !passed ? 1 : here < edge ? (edge - here) / (next - here) : 0;
     const double grows = static_cast<double>(light[at + 1]) - light[at];
     const double rises = static_cast<double>(p.horizon[at + 1]) - p.horizon[at];
     sum.visible += part * grows;
     sum.hidden += part * p.hidden[at] * (!p.sines ? 1 : rises > 0 ? grows / rises : 0);
+    if (passed) break;
   }
   return sum;
 }
@@ -84,8 +88,15 @@ TEST(LightLeft, IsWhatASearchForEachEdgeFinds) {
   for (int turn = 0; turn < 2'000; ++turn) {
     SCOPED_TRACE("turn " + std::to_string(turn));
     Profile profile = any_profile(random);
-    const auto known = std::ranges::find_if(profile.range_bin, [](float bin) { return bin < 1e11F; });
-    const auto first = static_cast<int>(known - profile.range_bin.begin());
+    // The first node from which something is hidden, and the last before its bin.
+    int node = 0;
+    while (node + 1 < profile.n_nodes && !(profile.hidden[static_cast<std::size_t>(node)] > 0)) ++node;
+    if (node + 1 == profile.n_nodes) continue;
+    const int from =
+        std::max(0, static_cast<int>(std::floor(profile.range_bin[static_cast<std::size_t>(node)])));
+    while (node > 0 && profile.range_bin[static_cast<std::size_t>(node)] > static_cast<float>(from) &&
+           profile.range_bin[static_cast<std::size_t>(node - 1)] < 1e11F)
+      --node;
     const auto n = static_cast<std::size_t>(profile.n_range);
     std::vector<float> of_first_set;
     for (const Kernels& kernels : all_kernels()) {
@@ -99,8 +110,8 @@ TEST(LightLeft, IsWhatASearchForEachEdgeFinds) {
       if (of_first_set.empty()) of_first_set = shares;
       ASSERT_EQ(shares, of_first_set) << kernels.name;
     }
-    for (int bin = 0; bin < profile.n_range; ++bin) {
-      const UpTo near = up_to(profile, first, bin), far = up_to(profile, first, bin + 1);
+    for (int bin = from; bin < profile.n_range; ++bin) {
+      const UpTo near = up_to(profile, node, bin), far = up_to(profile, node, bin + 1);
       const double grows = far.visible - near.visible, hides = far.hidden - near.hidden;
       const float found = of_first_set[static_cast<std::size_t>(bin)];
       ASSERT_TRUE(found >= 0 && found <= 1);
