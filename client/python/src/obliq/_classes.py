@@ -220,8 +220,11 @@ class Server:
         wanted = requests.frame_requests(poses, settings, seed, (planes, encoding, compress, window, radar, as_live),
                                          World.of(targets, live_targets, truth))
         more = True
-        try:
-            while more or waiting:
+        broken: Exception | None = None
+
+        def begin_some() -> None:
+            nonlocal more, broken
+            try:
                 while more and len(waiting) < in_flight:
                     frame_request = next(wanted, None)
                     if frame_request is None:
@@ -230,11 +233,18 @@ class Server:
                     try:
                         waiting.append((frame_request, self._begin(frame_request)))
                     except (TypeError, ValueError) as error:
-                        if not return_exceptions:
-                            raise
                         waiting.append((frame_request, error))
-                if waiting:
-                    yield self._finish(return_exceptions, waiting, timeout)
+            except Exception as error:  # the poses' own, or that of the connection: after what is done
+                more, broken = False, error
+
+        try:
+            begin_some()
+            while waiting and broken is None:
+                result = self._finish(return_exceptions, waiting, timeout)
+                begin_some()  # on their way while this one is looked at
+                yield result
+            if broken is not None:
+                raise broken
         finally:
             for _, rendering in waiting:
                 if not isinstance(rendering, Exception):
