@@ -23,9 +23,8 @@ constexpr std::int64_t kBytesOfBatches = 2'500'000;
 }  // namespace
 
 bool may_need_materials(const RadarSettings& s) {
-  const bool has_wind = s.atmosphere.wind_m_s > 0 && s.mode != RadarMode::dbs;
   return (s.mode == RadarMode::mti || s.mode == RadarMode::dbs || s.mode == RadarMode::pulses) &&
-         (has_wind || sea_state(s) > 0);
+         sea_state(s) > 0;
 }
 
 std::int64_t wedge_bytes(const RadarSettings& s, int label_materials) {

@@ -5,11 +5,11 @@
 
 namespace obliq {
 
-/// An upper estimate of the memory that a thread needs for its wedge: bins, profiles, scatterers, samples
-/// that wait, and hits. It leaves out the scene, the frame's plan and planes that wait to be sent.
-/// Whether a frame of these settings may have to tell materials apart, as labels do, for what moves of them.
+/// Whether a frame of these settings has to tell materials apart, as labels do, where its scene has a sea.
 bool may_need_materials(const RadarSettings& settings);
 
+/// An upper estimate of the memory that a thread needs for its wedge: bins, profiles, scatterers, samples
+/// that wait, and hits. It leaves out the scene, the frame's plan and planes that wait to be sent.
 /// label_materials: of a scene whose labels are wanted, or which may_need_materials(); 0: none are.
 std::int64_t wedge_bytes(const RadarSettings& settings, int label_materials = 0);
 

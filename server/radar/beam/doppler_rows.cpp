@@ -145,7 +145,7 @@ void DopplerRows::make(Row& row, const SharpWedge& wedge, Voltages voltages, std
   if (plan_.doppler->is_of_beam()) return;
   const bool has_sea = plan_.doppler->has_sea();
   if (has_sea && row.iq != nullptr) {
-    row.sea.split(plan_, row.azimuth, row.iq, row.power);
+    row.sea.split(plan_, row.azimuth, voltages == Voltages::drawn ? key : 0, row.iq, row.power);
     row.iq = row.sea.rest_iq.data();
   }
   if (has_sea) row.power = row.sea.rest_power.data();

@@ -305,7 +305,7 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   if (has_doppler_filter(s)) {
     // DopplerRows: Doppler, I&Q and powers of the current rows; of the sea (SeaPart) as many again.
     // DopplerPlan, polynomials of a canceller.
-    const std::int64_t kRowFloats = sea_state(s) > 0 ? 18 : 8;
+    const std::int64_t kRowFloats = sea_state(s) > 0 ? 20 : 8;
     const std::int64_t n_tables = sea_state(s) > 0 ? 3 : 1;  // of responses (SpreadResponse)
     constexpr std::int64_t kSpanBytes = sizeof(CellSpan);
     const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);

@@ -12,6 +12,7 @@ namespace obliq {
 namespace {
 
 constexpr std::int64_t kBinWork = 4;  // in units of ask()
+constexpr int kRowsAlike = 8;
 
 }  // namespace
 
@@ -49,9 +50,14 @@ void SeaPart::place(const EchoPlan& plan, const SharpWedge& wedge, int azimuth) 
   ask(kBinWork * static_cast<std::int64_t>(n));
 }
 
-void SeaPart::split(const EchoPlan& plan, int azimuth, const float* whole_iq, const float* whole_power) {
+void SeaPart::split(const EchoPlan& plan, int azimuth, std::uint64_t key, const float* whole_iq,
+                    const float* whole_power) {
   const std::size_t n = power.size();
-  const std::uint64_t first = first_of_sharp_row(plan, azimuth);
+  // Of ground that is turned to an antenna that leans, neighbouring rows share echoes: they turn alike.
+  const int alike = plan.ground ? kRowsAlike : 1;
+  const int row = (azimuth - plan.first_azimuth) / alike * alike + plan.first_azimuth;
+  const std::uint64_t first = first_of_sharp_row(plan, row);
+  const std::uint64_t seed = mix64(key ^ mix64(static_cast<std::uint64_t>(plan.sharp.speckle_seed)));
   iq.resize(2 * n);
   rest_iq.resize(2 * n);
   re.resize(n);
@@ -64,7 +70,7 @@ void SeaPart::split(const EchoPlan& plan, int azimuth, const float* whole_iq, co
     re[m] = of_sea * whole_iq[2 * m];
     im[m] = of_sea * whole_iq[2 * m + 1];
     if (share > 0 && of_rest > 0) {
-      const std::uint64_t quarters = mix64(first + m);
+      const std::uint64_t quarters = mix64(seed ^ (first + m));
       if ((quarters & 1) != 0) re[m] = std::exchange(im[m], -re[m]);
       if ((quarters & 2) != 0) re[m] = -re[m], im[m] = -im[m];
     }

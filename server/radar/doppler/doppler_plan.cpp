@@ -37,7 +37,8 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
     const double deviation_hz = 2 * SeaMotion(settings).deviation_m_s / wavelength_at(settings.frequency_ghz);
     if (mode_ == RadarMode::dbs)
       sea_response_.emplace(settings.doppler, deviation_hz * train_s_,
-                            cells_in_beam(settings, sea_.beam_rad, velocity.across_m_s(0)));
+                            cells_in_beam(settings, sea_.beam_rad,
+                                          velocity.most_across_m_s(settings.sector_deg * kDegree_rad)));
   }
   // psi is that of the sector's centre.
   if (mode_ == RadarMode::sar) sar_s_a_m_ = aperture_s_a_m(settings, velocity.across_m_s(0));

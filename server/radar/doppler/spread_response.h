@@ -11,11 +11,11 @@ namespace obliq {
 /// Voltages: an echo keeps its own, times the root of that power, at a phase of pi c u^2. So neighbouring
 /// outputs are no more alike than those of the filter are, however wide the Gaussian: c makes their
 /// correlation as wide as that of a train under these weights (the second moments of both in time agree, over
-/// what the beam shows in the sector's middle). It is some tenth off where sidelobes or the beam's edge
-/// count: without a window, or in a beam of fewer cells than the Gaussian is wide.
+/// what the beam shows where it has most cells). Their grain is up to twice as wide where the beam has fewer
+/// cells than the Gaussian is wide, and without a window, whose sidelobes count.
 class SpreadResponse {
  public:
-  /// beam_cells: of its half power width (cells_in_beam).
+  /// beam_cells: of its half power width, the most in the sector (cells_in_beam).
   SpreadResponse(const DopplerSettings& settings, double deviation_cells, double beam_cells);
 
   /// The weight's parts in phase and a quarter turn ahead; their squares add up to the power.

@@ -100,7 +100,8 @@ class BinEdges {
     block.length = next - block.here;
     block.light = load_floats(nodes_.light + k);
     block.grows = load_floats(nodes_.light + k + 1) - block.light;
-    unsigned with_next = nodes_.with_next(k);
+    const unsigned behind = node_ > k ? ~((1U << min(node_ - k, 31)) - 1) : ~0U;
+    const unsigned with_next = nodes_.with_next(k) & behind;
     block.hides = select(mask16_from(with_next), load_floats(nodes_.hidden + k), f32x16{});
     if (nodes_.light != nodes_.horizon) {
       const f32x16 rise = load_floats(nodes_.horizon + k + 1) - load_floats(nodes_.horizon + k);
@@ -109,7 +110,6 @@ class BinEdges {
     block.hidden = sums_so_far(block.hides);
     block.first = ceiling(min(max(block.here, f32x16{}), end));
     block.last = ceiling(min(max(next, f32x16{}), end));
-    if (node_ > k) with_next &= ~((1U << min(node_ - k, 31)) - 1);
     const int before = next_edge_;
     const unsigned crossed = movemask(block.last > block.first) & with_next;
     const unsigned askew = movemask((block.last > block.first + 1) | (block.first > block.last)) & with_next;

@@ -38,13 +38,14 @@ OBLIQ_INLINE f32x16 residue_of(const MovingEchoes& echoes, f32x16 sine) {
   return max(f32x16{}, echoes.still - 2.0F * (s2 * fall));
 }
 
-/// Of echoes' power, which share moves, and which stands still.
+/// Of echoes' power, which share moves, and which stands still. Of heights by power, too, which may be below
+/// 0.
 struct MovingShare {
   f32x16 moving{}, still{};
 
   MovingShare() = default;
   OBLIQ_INLINE MovingShare(f32x16 moving_power, f32x16 power) {
-    const auto has_power = power > 0.0F;
+    const auto has_power = power != 0.0F;
     const f32x16 share = moving_power / select(has_power, power, all_lanes(1.0F));
     moving = select(has_power, min(share, all_lanes(1.0F)), f32x16{});
     still = 1.0F - moving;

@@ -220,6 +220,7 @@ TEST_F(SeaSharpened, AddsUpWithLandByPower) {
     TargetScene coast(World(world), kAntenna_m, of);
     coast.pose().settings.bearing_deg = 0;
     fly(coast, kFlight_m_s, kPsi_deg);
+    coast.pose().settings.roll_deg = 10;  // of an antenna that is not stabilised
     const Frame frame = coast.bare(s);
     double iq = 0, power = 0;
     for (std::size_t k = 0; k < frame.bins.iq.size(); ++k) {
@@ -234,28 +235,53 @@ TEST_F(SeaSharpened, AddsUpWithLandByPower) {
     for (const SpeckleKind speckle : {SpeckleKind::ground, SpeckleKind::independent}) {
       settings_.mode = mode;
       settings_.speckle = speckle;
+      settings_.beam.stabilised = mode == RadarMode::mti || speckle == SpeckleKind::independent;
       double found = 0;
       for (settings_.speckle_seed = 1; settings_.speckle_seed <= 20; ++settings_.speckle_seed)
         found += sums(settings_, true).first / 20;
       std::printf("    |V|^2 over P %.3f\n", found);
-      // Behind the canceller few bins have most of the power.
-      EXPECT_NEAR(found, 1, mode == RadarMode::dbs ? 0.03 : 0.15);
+      // Behind the canceller few bins have most of the power; rows of an antenna that leans share echoes, of
+      // which the filter takes some apart.
+      EXPECT_NEAR(found, 1, settings_.beam.stabilised && mode == RadarMode::dbs ? 0.05 : 0.15);
     }
 }
 
-// A lake at 400 m, which the filter leaves a part of.
+// Lakes above and below the datum, of which the filter leaves a part.
 TEST_F(SeaSharpened, HasTheHeightOfItsWater) {
-  TargetScene lake(made_world(9000, 70, [](double, double) { return 400; }), 1000, sea_materials());
-  lake.pose().settings.bearing_deg = 0;
-  RenderOptions options;
-  options.labels = true;
-  for (const RadarMode mode : {RadarMode::map, RadarMode::dbs, RadarMode::mti}) {
-    settings_.mode = mode;
-    const BinBlock bins =
-        render(lake.shared(), snapshot(settings_), lake.pose(), {0, settings_.azimuth_bins}, options).bins;
-    for (int a = 20; a < 380; a += 20)
-      EXPECT_NEAR(bins.labels.height_m[static_cast<std::size_t>(a * bins.n_range + 30)], 400, 1) << a;
+  for (const double height_m : {400.0, -400.0}) {
+    TargetScene lake(made_world(9000, 70, [&](double, double) { return height_m; }), 1000, sea_materials());
+    lake.pose().settings.bearing_deg = 0;
+    RenderOptions options;
+    options.labels = true;
+    for (const RadarMode mode : {RadarMode::map, RadarMode::dbs, RadarMode::mti}) {
+      settings_.mode = mode;
+      const BinBlock bins =
+          render(lake.shared(), snapshot(settings_), lake.pose(), {0, settings_.azimuth_bins}, options).bins;
+      for (int a = 20; a < 380; a += 20)
+        EXPECT_NEAR(bins.labels.height_m[static_cast<std::size_t>(a * bins.n_range + 30)], height_m, 1) << a;
+    }
   }
+}
+
+// The grain beside the flight, and straight ahead.
+TEST_F(SeaSharpened, KeepsItsGrainInASectorAlongTheTrack) {
+  fly(scene_, kFlight_m_s, 0);
+  const Frame frame = scene_.bare(settings_);
+  // 18 degrees off the track cells are 0.37 degrees wide.
+  const int away = 6, n = frame.bins.n_range;
+  std::complex<double> like = 0;
+  double mean = 0;
+  for (int a = 4; a < 44; ++a)
+    for (int m = 0; m < n; ++m) {
+      const auto voltage = [&](int azimuth) {
+        const auto k = static_cast<std::size_t>(azimuth * n + m);
+        return std::complex<double>(frame.bins.iq[k]) / std::sqrt(frame.bins.power_w[k]);
+      };
+      like += voltage(a + away) * std::conj(voltage(a));
+      mean += std::norm(voltage(a));
+    }
+  std::printf("    alike %.3f\n", std::abs(like) / mean);
+  EXPECT_LT(std::abs(like) / mean, 0.5);
 }
 
 TEST_F(SeaSharpened, HasTheSameBitsOnAnyNumberOfThreadsInAnyPartsAndWithAnyInstructionSet) {
