@@ -82,9 +82,10 @@ struct Limit {
 
 ReportRow canceller_row(const FramePlan& plan) {
   const RadarSettings& s = plan.settings();
+  const SeaMotion sea(s);
   const DopplerPlan& doppler = *plan.sum()->doppler;
   const int c = s.doppler.canceller;
-  const double beam_rad = s.beam.pattern == BeamPattern::off ? s.azimuth_bin_rad() : narrowest_beam_rad(s);
+  const double beam_rad = azimuth_resolution_rad(s);
   const double across_m_s = doppler.velocity().across_m_s(0);
   const double cells = 2 * across_m_s * beam_rad / wavelength_at(s.frequency_ghz) / s.pulse.prf_hz;
   const bool turns = doppler.turn_rad() > 0;
@@ -105,9 +106,8 @@ ReportRow canceller_row(const FramePlan& plan) {
                  "turning"_is = db_text(limits[0].db), "pulses"_is = pulses,
                  "flying"_is = db_text(limits[1].db), "speed_m_s"_is = across_m_s,
                  "wind"_is = db_text(limits[2].db), "sea"_is = db_text(limits[3].db),
-                 "sea_m_s"_is = SeaMotion(s).downwind_m_s,
-                 "sea_deviation_m_s"_is = SeaMotion(s).deviation_m_s, "least"_is = db_text(least.db),
-                 "by"_is = least.by, "own_m_s"_is = own_m_s),
+                 "sea_m_s"_is = sea.downwind_m_s, "sea_deviation_m_s"_is = sea.deviation_m_s,
+                 "least"_is = db_text(least.db), "by"_is = least.by, "own_m_s"_is = own_m_s),
           {{"mti", true,
             "a canceller of {delays} at {prf_hz:6} Hz: speeds of {blind_m_s:.2f} m/s and its multiples "
             "are blind, ranges unambiguous to {range_km:.1f} km (r_max is {r_max_km:.1f}). "},
@@ -125,6 +125,7 @@ ReportRow canceller_row(const FramePlan& plan) {
 
 ReportRow sharpening_row(const FramePlan& plan) {
   const RadarSettings& s = plan.settings();
+  const SeaMotion sea(s);
   const DopplerPlan& doppler = *plan.sum()->doppler;
   const double train_s = coherent_time_s(s);
   const double beam_rad = narrowest_beam_rad(s);
@@ -142,9 +143,8 @@ ReportRow sharpening_row(const FramePlan& plan) {
                  "left"_is = ratio(-sector_rad / 2), "middle"_is = ratio(0),
                  "right"_is = ratio(sector_rad / 2), "most"_is = most, "rows"_is = rows,
                  "needed"_is = most + 3, "cell_deg"_is = beam_rad / kDegree_rad / std::max(1.0, ratio(0)),
-                 "sea_m_s"_is = SeaMotion(s).downwind_m_s,
-                 "sea_deviation_m_s"_is = SeaMotion(s).deviation_m_s,
-                 "sea_cells"_is = 2 * SeaMotion(s).deviation_m_s / wavelength_at(s.frequency_ghz) * train_s,
+                 "sea_m_s"_is = sea.downwind_m_s, "sea_deviation_m_s"_is = sea.deviation_m_s,
+                 "sea_cells"_is = sea.deviation_hz(wavelength_at(s.frequency_ghz)) * train_s,
                  "width_hz"_is = width_hz, "range_km"_is = kLight_m_s / (2 * s.pulse.prf_hz) / 1000),
           {{"dbs", true,
             "{pulses:4} pulses at {prf_hz:6} Hz, {train_ms:.1f} ms: the beam becomes {left:.1f}, "
@@ -164,6 +164,7 @@ ReportRow sharpening_row(const FramePlan& plan) {
 
 ReportRow image_row(const FramePlan& plan) {
   const RadarSettings& s = plan.settings();
+  const SeaMotion sea(s);
   const DopplerPlan& doppler = *plan.sum()->doppler;
   const double middle_m = (s.r_min_m + s.r_max_m) / 2;
   return {
@@ -173,7 +174,7 @@ ReportRow image_row(const FramePlan& plan) {
                      "time_s"_is = doppler.turns_a_hz(middle_m), "range_km"_is = middle_m / 1000,
                      "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0),
                      "prf_hz"_is = s.pulse.prf_hz,
-                     "smear_m"_is = SeaMotion(s).deviation_m_s * middle_m / doppler.velocity().across_m_s(0),
+                     "smear_m"_is = sea.deviation_m_s * middle_m / doppler.velocity().across_m_s(0),
                      "pulses"_is = doppler.turns_a_hz(middle_m) * s.pulse.prf_hz),
               {{"sar", true,
                 "{resolution_m:3} m across range: {time_s:.2f} s of flight at {speed_m_s:.1f} m/s, an "

@@ -47,7 +47,7 @@ std::vector<ReportRow> sea_rows(const FramePlan& plan, const AirView& air) {
     plain_db[k] = grazing > 0 ? db_of_ratio(water->gamma * std::sin(grazing)) : NAN;
   }
   std::array<double, 3> shapes{};
-  const double width_rad = s.beam.pattern == BeamPattern::off ? s.azimuth_bin_rad() : narrowest_beam_rad(s);
+  const double width_rad = azimuth_resolution_rad(s);
   const double bin_m = s.pulse.kind == PulseKind::off ? s.range_bin_m() : PointResponse(s).resolution_m();
   for (std::size_t k = 0; on && s.sea.shape > 0 && k < 3; ++k)
     shapes[k] = shape_of_cell(s.sea.shape, bin_m / std::max(0.1, std::cos(degrees[k] * kDegree_rad)),

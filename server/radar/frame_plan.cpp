@@ -54,8 +54,7 @@ void place_moving(const Scene& scene, const RadarSettings& settings, const glm::
   }
   if (place.sea.materials.empty()) return;
   place.sea.velocity = in_sector(antenna_m_s - sea_velocity_m_s(settings, pose), settings, pose, place.axes);
-  place.sea.beam_rad =
-      settings.beam.pattern == BeamPattern::off ? settings.azimuth_bin_rad() : narrowest_beam_rad(settings);
+  place.sea.beam_rad = azimuth_resolution_rad(settings);
 }
 
 EchoPlace place_of(const Scene& scene, const RadarSettings& settings, const Pose& pose) {

@@ -18,11 +18,12 @@ struct SeaPart {
   RowPlaces places;
   std::vector<float> rest_power;  ///< what is left
   // [stride][2], as `split` leaves them: voltages in proportion to the powers' roots. Where a bin has both,
-  // the sea's is turned by quarters of its own: they are not one scatterer. key: of what is drawn, else 0.
+  // `split` turns the sea's phase by quarters that are hashed: sea and land are two scatterers.
   std::vector<float> iq, rest_iq;
   std::vector<float> re, im;  ///< the sea's again
 
   void place(const EchoPlan& plan, const SharpWedge& wedge, int azimuth);
+  /// key: names the draw of drawn voltages; else 0.
   void split(const EchoPlan& plan, int azimuth, std::uint64_t key, const float* whole_iq,
              const float* whole_power);
 };

@@ -28,6 +28,10 @@ double narrowest_beam_rad(const RadarSettings& s) {
   return s.beam.width_deg * std::numbers::pi / 180;
 }
 
+double azimuth_resolution_rad(const RadarSettings& s) {
+  return s.beam.pattern == BeamPattern::off ? s.azimuth_bin_rad() : narrowest_beam_rad(s);
+}
+
 int azimuth_sub_bins(const RadarSettings& s, double across_m_s) {
   const double width_rad = s.azimuth_bin_rad();
   if (s.mode == RadarMode::sar) return parts(kBinsACell * width_rad * s.r_max_m / s.doppler.resolution_m);

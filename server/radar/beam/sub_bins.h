@@ -12,5 +12,7 @@ int range_sub_bins(const RadarSettings& settings);
 
 /// The narrowest feature of the azimuth pattern: of a file, the width of the box that sees as much ground.
 double narrowest_beam_rad(const RadarSettings& settings);
+/// That, or without a beam the width of an azimuth bin.
+double azimuth_resolution_rad(const RadarSettings& settings);
 
 }  // namespace obliq

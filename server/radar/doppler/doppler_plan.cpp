@@ -34,7 +34,7 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
   if (has_sea()) {
     sea_doppler_ = {sea_.velocity, wavelength_at(settings.frequency_ghz)};
     sea_residue_ = obliq::sea_residue(settings);
-    const double deviation_hz = 2 * SeaMotion(settings).deviation_m_s / wavelength_at(settings.frequency_ghz);
+    const double deviation_hz = SeaMotion(settings).deviation_hz(wavelength_at(settings.frequency_ghz));
     if (mode_ == RadarMode::dbs)
       sea_response_.emplace(settings.doppler, deviation_hz * train_s_,
                             cells_in_beam(settings, sea_.beam_rad,

@@ -26,6 +26,7 @@ struct SeaMotion {
   double deviation_m_s = 0;  ///< standard deviation
 
   explicit SeaMotion(const RadarSettings& settings);
+  double deviation_hz(double wavelength_m) const { return 2 * deviation_m_s / wavelength_m; }
   /// Size of the correlation after so long; the mean turns its phase.
   double correlation(double lag_s, double wavelength_m) const;
 };

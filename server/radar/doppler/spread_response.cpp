@@ -73,7 +73,7 @@ double spread_of_train2(const std::vector<double>& weights) {
   return squares / sum;
 }
 
-/// What a beam of so many cells shows of echoes u cells beside its middle, in voltage.
+/// Voltage gain of a beam, u cells beside its middle; beam_cells: its half power width.
 double shown(double u, double beam_cells) {
   const double of_beam = u / std::max(1.0, beam_cells);
   return std::exp(-4 * std::numbers::ln2 * of_beam * of_beam);

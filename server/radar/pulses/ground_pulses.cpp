@@ -57,7 +57,7 @@ GroundPulses::GroundPulses(const FramePlan& plan, const PulseTimes& times, const
   }
   if (sum_.doppler->has_sea()) {
     sea_speeds_ = static_cast<int>(std::ceil(kMovingRows / rows));
-    sea_hz_ = 2 * SeaMotion(plan.settings()).deviation_m_s / sum_.wavelength_m;
+    sea_hz_ = SeaMotion(plan.settings()).deviation_hz(sum_.wavelength_m);
   }
   levels_.resize(cosine_steps::kCount);
   gains_.resize(static_cast<std::size_t>(window_.n_taps) * cosine_steps::kCount);

@@ -42,7 +42,7 @@ OBLIQ_INLINE f64x8 modulus2_of_hash(u64x8 hash) {
   return converted<double>(max(-log_of_positive(converted<float>(uniform_of_hash(hash))), f32x8{}));
 }
 
-/// Stores sqrt(power) at so many turns.
+/// Stores a voltage: sqrt(power), at a phase in turns.
 OBLIQ_INLINE void store_voltage(f64x8 power, f64x8 turns, double* re, double* im) {
   const auto at = sincos_of_fraction(converted<float>(turns - nearest_integer(turns)));
   const f32x8 amplitude = converted<float>(sqrt(power));

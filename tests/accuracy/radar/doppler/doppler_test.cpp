@@ -11,23 +11,16 @@
 
 #include "server/radar/doppler/canceller.h"
 #include "server/radar/doppler/doppler_response.h"
+#include "tests/support/doppler_scenes.h"
 #include "tests/support/same_bits.h"
-#include "tests/support/target_scenes.h"
 
 namespace obliq::test {
 namespace {
 
-/// X band, 3 degrees, 40 degrees of sector, level ground around 6 km.
 RadarSettings radar(RadarMode mode) {
-  RadarSettings s = radar_settings(FrustumKind::sweep, {5000, 7000, 40}, {400, 64}, {400, 1});
-  s.mode = mode;
-  s.frequency_ghz = 9.4;
+  RadarSettings s = doppler_radar(mode, 400);
   s.power_w = 1000;
   s.gain_db = 30;
-  s.speckle = SpeckleKind::ground;
-  s.beam.pattern = BeamPattern::gaussian;
-  s.beam.width_deg = 3;
-  s.beam.extent_deg = 8;
   return s;
 }
 
@@ -42,12 +35,7 @@ class OverLevelGround : public testing::Test {
     map.mode = RadarMode::map;
     return sum(scene_.bare(s), azimuth) / sum(scene_.bare(map), azimuth);
   }
-  static double sum(const Frame& frame, int azimuth) {
-    double total = 0;
-    for (int m = 0; m < frame.bins.n_range; ++m)
-      total += frame.bins.power_w[static_cast<std::size_t>(azimuth * frame.bins.n_range + m)];
-    return total;
-  }
+  static double sum(const Frame& frame, int azimuth) { return azimuth_power(frame.bins, azimuth); }
 
   TargetScene scene_{level_world()};
 };
@@ -158,12 +146,7 @@ TEST_F(OverLevelGround, MtiLabelsWhatTheWindMoves) {
     materials[woods].wind = true;
     materials[woods].gamma = 0.05;
     materials[1 - woods].gamma = 0.1;
-    World world = level_world();
-    const int nx = world.grid.nx - 1, nz = world.grid.nz - 1;
-    for (int j = 0; j < nz; ++j)
-      for (int i = 0; i < nx; ++i)
-        world.surface_material.push_back(static_cast<std::uint8_t>((i < nx / 2) == woods_first ? 0 : 1));
-    TargetScene edge(std::move(world), kAntenna_m, materials);
+    TargetScene edge(shore(woods_first ? 0 : 1), kAntenna_m, materials);
     edge.pose().settings.bearing_deg = 0;
     for (const bool turns : {false, true}) {
       RadarSettings s = radar(RadarMode::mti);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/radar/simd/kernels.h"
+#include "tests/support/doppler_scenes.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/train_scenes.h"
 
@@ -38,25 +39,12 @@ double improvement_db(int delays, double closing_m_s, double prf_hz) {
   return db(10 / (10 - 15 * r(1) + 6 * r(2) - r(3)));
 }
 
-std::vector<Material> sea_materials() {
-  std::vector<Material> materials = two_materials();
-  materials[0].model = ScatteringModel::sea;
-  materials[0].gamma = 1e-4;
-  return materials;
-}
-
 /// Looks north over 5 to 7 km of level sea from 1,000 m.
 class SeaMotionTest : public testing::Test {
  protected:
   SeaMotionTest() {
     scene_.pose().settings.bearing_deg = 0;
-    settings_ = radar_settings(FrustumKind::sweep, {5000, 7000, 40}, {200, 64}, {200, 1});
-    settings_.mode = RadarMode::mti;
-    settings_.frequency_ghz = 9.4;
-    settings_.speckle = SpeckleKind::ground;
-    settings_.beam.pattern = BeamPattern::gaussian;
-    settings_.beam.width_deg = 3;
-    settings_.beam.extent_deg = 8;
+    settings_ = doppler_radar(RadarMode::mti, 200);
     settings_.pulse.prf_hz = 1000;
     settings_.sea.state = kState;
     settings_.sea.shape = 0;
@@ -64,12 +52,7 @@ class SeaMotionTest : public testing::Test {
   }
 
   void fly_north(double v_m_s) { scene_.pose().settings.velocity_north_m_s = v_m_s; }
-  static double middle(const Frame& frame) {
-    double total = 0;
-    for (int m = 0; m < frame.bins.n_range; ++m)
-      total += frame.bins.power_w[static_cast<std::size_t>(100 * frame.bins.n_range + m)];
-    return total;
-  }
+  static double middle(const Frame& frame) { return azimuth_power(frame.bins, 100); }
   double found_db(const RadarSettings& s) const {
     RadarSettings map = s;
     map.mode = RadarMode::map;
@@ -154,12 +137,7 @@ TEST_F(SeaMotionTest, LeavesTheLandBesideItStill) {
     materials[sea].model = ScatteringModel::sea;
     materials[sea].gamma = 1e-4;
     materials[1 - sea].gamma = 0.1;
-    World world = level_world();
-    const int nx = world.grid.nx - 1, nz = world.grid.nz - 1;
-    for (int j = 0; j < nz; ++j)
-      for (int i = 0; i < nx; ++i)
-        world.surface_material.push_back(static_cast<std::uint8_t>((i < nx / 2) == sea_first ? 0 : 1));
-    TargetScene coast(std::move(world), kAntenna_m, materials);
+    TargetScene coast(shore(sea_first ? 0 : 1), kAntenna_m, materials);
     coast.pose().settings.bearing_deg = 0;
     for (const bool turns : {false, true}) {
       RadarSettings s = settings_;
@@ -173,16 +151,11 @@ TEST_F(SeaMotionTest, LeavesTheLandBesideItStill) {
         return render(coast.shared(), snapshot(of), coast.pose(), {0, of.azimuth_bins}, options).bins;
       };
       const BinBlock before = render_of(map), after = render_of(s);
-      const auto sum_at = [&](const BinBlock& bins, int azimuth) {
-        double sum = 0;
-        for (int m = 0; m < bins.n_range; ++m)
-          sum += bins.power_w[static_cast<std::size_t>(azimuth * bins.n_range + m)];
-        return sum;
-      };
       // 12 degrees beside the shore.
       const double closing = kDownwind_m_s * std::cos(12 * kPi / 180) * cos_e_;
-      EXPECT_NEAR(db(sum_at(before, 40) / sum_at(after, 40)), improvement_db(2, closing, 1000), 0.05);
-      EXPECT_LT(sum_at(after, 160), 1e-7 * sum_at(before, 160));
+      EXPECT_NEAR(db(azimuth_power(before, 40) / azimuth_power(after, 40)), improvement_db(2, closing, 1000),
+                  0.05);
+      EXPECT_LT(azimuth_power(after, 160), 1e-7 * azimuth_power(before, 160));
       // What is left in the beam that has both is the sea.
       const auto shore = static_cast<std::size_t>(104 * after.n_range + 30);
       EXPECT_EQ(after.labels.material[shore], sea) << turns;

@@ -11,8 +11,8 @@
 #include "server/radar/doppler/sea_motion.h"
 #include "server/radar/doppler/spread_response.h"
 #include "server/radar/simd/kernels.h"
+#include "tests/support/doppler_scenes.h"
 #include "tests/support/same_bits.h"
-#include "tests/support/target_scenes.h"
 
 namespace obliq::test {
 namespace {
@@ -44,30 +44,13 @@ class SeaSharpened : public testing::Test {
   SeaSharpened() {
     scene_.pose().settings.bearing_deg = 0;
     fly(scene_, kFlight_m_s, kPsi_deg);
-    settings_ = radar_settings(FrustumKind::sweep, {5000, 7000, 40}, {400, 64}, {400, 1});
-    settings_.mode = RadarMode::dbs;
-    settings_.frequency_ghz = 9.4;
-    settings_.speckle = SpeckleKind::ground;
-    settings_.beam.pattern = BeamPattern::gaussian;
-    settings_.beam.width_deg = 3;
-    settings_.beam.extent_deg = 8;
+    settings_ = doppler_radar(RadarMode::dbs, 400);
     settings_.pulse.prf_hz = 1000;
     settings_.doppler.pulses = 64;
     settings_.sea.state = 3;
     settings_.sea.shape = 0;
   }
-  static std::vector<Material> sea_materials() {
-    std::vector<Material> materials = two_materials();
-    materials[0].model = ScatteringModel::sea;
-    materials[0].gamma = 1e-4;
-    return materials;
-  }
-  static double sum(const Frame& frame, int azimuth) {
-    double total = 0;
-    for (int m = 0; m < frame.bins.n_range; ++m)
-      total += frame.bins.power_w[static_cast<std::size_t>(azimuth * frame.bins.n_range + m)];
-    return total;
-  }
+  static double sum(const Frame& frame, int azimuth) { return azimuth_power(frame.bins, azimuth); }
   Frame map() const {
     RadarSettings s = settings_;
     s.mode = RadarMode::map;
@@ -179,14 +162,9 @@ TEST(SpreadResponse, IsThatOfOneFrequencyWithoutSpread) {
 }
 
 TEST_F(SeaSharpened, LeavesTheLandBesideItAsItIs) {
-  World world = level_world();
-  const int nx = world.grid.nx - 1, nz = world.grid.nz - 1;
-  for (int j = 0; j < nz; ++j)
-    for (int i = 0; i < nx; ++i)
-      world.surface_material.push_back(static_cast<std::uint8_t>(i < nx / 2 ? 0 : 1));
   std::vector<Material> materials = sea_materials();
   materials[1].model = ScatteringModel::constant_gamma;
-  TargetScene coast(std::move(world), kAntenna_m, materials);
+  TargetScene coast(shore(0), kAntenna_m, materials);
   coast.pose().settings.bearing_deg = 0;
   fly(coast, kFlight_m_s, kPsi_deg);
   RadarSettings still = settings_;
