@@ -9,7 +9,7 @@ static_assert(kMaxQueryPoints * kGroundRecordBytes <= kMaxPlaneBytes);
 
 namespace {
 
-constexpr auto kEachMember = [](auto& record, const auto& use) {
+constexpr auto kEachOfGround = [](auto& record, const auto& use) {
   use(record.latitude_deg);
   use(record.longitude_deg);
   use(record.height_m);
@@ -29,14 +29,14 @@ constexpr auto kEachMember = [](auto& record, const auto& use) {
 }  // namespace
 
 std::vector<std::byte> encode_ground_records(std::span<const GroundRecord> records) {
-  return encode_records(records, kGroundRecordBytes, kEachMember);
+  return encode_records(records, kGroundRecordBytes, kEachOfGround);
 }
 
 bool decode_ground_records(std::span<const std::byte> bytes, std::uint32_t points, std::uint32_t record_bytes,
                            std::vector<GroundRecord>& records) {
   records.clear();
   return points <= kMaxQueryPoints && record_bytes <= kMaxPlaneBytes &&
-         decode_records(bytes, points, record_bytes, kGroundRecordBytes, kEachMember, records);
+         decode_records(bytes, points, record_bytes, kGroundRecordBytes, kEachOfGround, records);
 }
 
 }  // namespace obliq::wire

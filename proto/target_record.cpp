@@ -9,7 +9,7 @@ static_assert(kMaxTargetRecords * kTargetRecordBytes <= kMaxPlaneBytes);
 
 namespace {
 
-constexpr auto kEachMember = [](auto& record, const auto& use) {
+constexpr auto kEachOfTarget = [](auto& record, const auto& use) {
   use(record.id);
   use(record.latitude_deg);
   use(record.longitude_deg);
@@ -31,13 +31,13 @@ constexpr auto kEachMember = [](auto& record, const auto& use) {
 }  // namespace
 
 std::vector<std::byte> encode_target_records(std::span<const TargetRecord> records) {
-  return encode_records(records, kTargetRecordBytes, kEachMember);
+  return encode_records(records, kTargetRecordBytes, kEachOfTarget);
 }
 
 bool decode_target_records(std::span<const std::byte> bytes, std::uint32_t n, std::uint32_t record_bytes,
                            std::vector<TargetRecord>& records) {
   records.clear();
-  return decode_records(bytes, n, record_bytes, kTargetRecordBytes, kEachMember, records);
+  return decode_records(bytes, n, record_bytes, kTargetRecordBytes, kEachOfTarget, records);
 }
 
 }  // namespace obliq::wire

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <vector>
 
 #include "server/radar/beam/patterns.h"
 #include "server/radar/beam/point_response.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Sharp azimuths that are integrated at a time.
 constexpr int kStretch = 64;
 /// Facets are sorted by the logarithm of the cosine of their elevation, in steps of so much; one between two

@@ -5,29 +5,26 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 
 #include "server/frontier/frontier_table.h"
 #include "server/frontier/log_axis.h"
+#include "server/output/picture_canvas.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kWidth = 1000;
 constexpr double kHeight = 950;
 constexpr double kPngScale = 1.6;  // sharp at the width of a README on a fine screen
 constexpr double kNoneBand = 26;   // height of the strip that holds values of zero
 
-struct Colour {
-  double red, green, blue;
-};
 // Okabe and Ito's palette, told apart by the colour-blind.
-constexpr Colour kPaper{1, 1, 1};
-constexpr Colour kInk{0.13, 0.14, 0.16};
+constexpr Colour kWhite{1, 1, 1};
+constexpr Colour kText{0.13, 0.14, 0.16};
 constexpr Colour kSoft{0.42, 0.44, 0.47};
-constexpr Colour kLine{0.88, 0.89, 0.90};
+constexpr Colour kRule{0.88, 0.89, 0.90};
 
 Colour colour_of(FrustumKind kind) {
   switch (kind) {
@@ -72,10 +69,10 @@ class Plot {
   }
 
   void draw() {
-    ink(kPaper);
+    ink(kWhite);
     cairo_paint(c_);
     cairo_set_line_join(c_, CAIRO_LINE_JOIN_ROUND);
-    ink(kInk);
+    ink(kText);
     face(true);
     text(32, 42, 23, "What a frame costs, and how wrong it is", 0);
     face(false);
@@ -125,7 +122,7 @@ class Plot {
   void star(double x, double y, double radius) { polygon(x, y, radius, 10, 0.42); }
 
   /// Full for plates that spread (and the sweep), hollow for nearest bins.
-  void fill_mark(const Colour& colour, bool hollow) { outlined(hollow ? kPaper : colour, colour, 1.8); }
+  void fill_mark(const Colour& colour, bool hollow) { outlined(hollow ? kWhite : colour, colour, 1.8); }
   void outlined(const Colour& inside, const Colour& outline, double width) {
     ink(inside);
     cairo_fill_preserve(c_);
@@ -141,7 +138,7 @@ class Plot {
       fill_mark(colour, true);
     } else if (is_paper_sampling(row.sampling)) {
       star(x, y, 11.5);
-      outlined(colour, kPaper, 1.2);
+      outlined(colour, kWhite, 1.2);
     } else {
       circle(x, y, 4.6);
       fill_mark(colour, row.sampling.plates == PlateKind::nearest);
@@ -164,7 +161,7 @@ class Plot {
     const double at = y + 21.5;
     const auto entry = [&](const char* words, const Colour& colour, bool hollow) {
       fill_mark(colour, hollow);
-      ink(kInk);
+      ink(kText);
       x += 16 + text(x + 16, y + 26, 13, words, 0) + 18;
     };
     if (std::ranges::any_of(rows_, [&](const auto& r) { return is_scene_paper(r); })) {
@@ -216,7 +213,7 @@ class Plot {
     const Axes axes{box, LogAxis(times, 1), LogAxis(values, 1), values.size() < shown, values.empty()};
     grid(axes, measure);
     face(true);
-    ink(kInk);
+    ink(kText);
     text(box.x, box.y - 11, 14.5, measure.title, 0);
     face(false);
     if (rows_.empty()) return;
@@ -243,7 +240,7 @@ class Plot {
     const double floor = b.y + b.height;
     face(false);
     const auto line = [&](const std::string& label, double x0, double y0, double x1, double y1) {
-      ink(kLine, label.empty() ? 0.5 : 1);
+      ink(kRule, label.empty() ? 0.5 : 1);
       rule(x0, y0, x1, y1, 1);
       ink(kSoft);
     };
@@ -259,7 +256,7 @@ class Plot {
       if (!label.empty()) text(b.x - 7, y + 4.5, 12.5, label, 1);
     }
     if (axes.zeros) {
-      ink(kLine, 0.55);
+      ink(kRule, 0.55);
       cairo_rectangle(c_, b.x, floor - kNoneBand, b.width, kNoneBand);
       cairo_fill(c_);
       ink(kSoft);

@@ -10,13 +10,13 @@
 #include "server/control/settings_message.h"
 #include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/errors.h"
+#include "terrain/base/units.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Pixels between exactly projected points; between them world coordinates are interpolated bilinearly. Over
 /// 1 km the plane's curvature leaves (1 km)^2 / 8 R = 2 cm.
 constexpr int kLattice = 16;

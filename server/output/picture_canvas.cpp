@@ -11,16 +11,15 @@
 #include <cstring>
 #include <memory>
 #include <new>
-#include <numbers>
 #include <vector>
 
 #include "terrain/base/errors.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kHalo = 2.4;       // broader than a line by so much
 constexpr double kHaloAlpha = 0.7;  // dark enough to part a line from white ground
 constexpr double kPlateAlpha = 0.72;

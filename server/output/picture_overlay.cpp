@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,7 +13,6 @@
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kFont = 12;
 constexpr double kRingGap_px = 18;  // labels of rings that are nearer to each other would touch
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/errors.h"
@@ -12,8 +11,6 @@
 
 namespace obliq {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// What the chosen frustum asks of scene and pose, beyond what validate() can know.
 void check_frustum(const ScenePlan& plan, std::vector<FieldError>& errors) {

@@ -1,13 +1,12 @@
 #include "server/radar/taper.h"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The mean of n unit phasors, u turns apart in all, about their middle: sin(pi u) / (n sin(pi u / n)).
 double dirichlet(double u, int n) {

@@ -1,11 +1,15 @@
 #pragma once
 // Units and constants of nature.
 #include <chrono>
+#include <limits>
 #include <numbers>
 
 namespace obliq {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPi = std::numbers::pi;
+constexpr double kTurn_rad = 2 * kPi;
+constexpr double kDegree_rad = kPi / 180;
 
 constexpr double kFoot_m = 0.3048;  // the international foot, exact: NIST SP 811, appendix B
 

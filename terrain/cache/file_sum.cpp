@@ -21,20 +21,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kPiece_bytes = std::int64_t{1} << 20;
+constexpr std::int64_t kSumPiece_bytes = std::int64_t{1} << 20;
 
 /// Sum of a file whose pieces are read on all cores.
 std::string contents(const std::string& path, std::int64_t size, std::int64_t most_pieces) {
   const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file) return fmt::format("{} bytes, not read", size);
-  const std::int64_t pieces = (size + kPiece_bytes - 1) / kPiece_bytes;
+  const std::int64_t pieces = (size + kSumPiece_bytes - 1) / kSumPiece_bytes;
   const bool all = pieces <= most_pieces;
   const std::int64_t n = all ? pieces : most_pieces;
   std::vector<std::uint64_t> sums(static_cast<std::size_t>(n));
   for_each_row(static_cast<int>(n), [&](int k) {
-    std::vector<char> piece(static_cast<std::size_t>(std::min(size, kPiece_bytes)));
+    std::vector<char> piece(static_cast<std::size_t>(std::min(size, kSumPiece_bytes)));
     const std::int64_t at =
-        all ? k * kPiece_bytes : (size - kPiece_bytes) / std::max<std::int64_t>(1, n - 1) * k;
+        all ? k * kSumPiece_bytes : (size - kSumPiece_bytes) / std::max<std::int64_t>(1, n - 1) * k;
     const std::size_t read = read_at(file.get(), piece.data(), piece.size(), static_cast<std::uint64_t>(at));
     sums[static_cast<std::size_t>(k)] = checksum(piece.data(), read);
   });
@@ -90,7 +90,7 @@ std::vector<std::string> file_sums(const std::vector<std::string>& paths) {
       kMostRead_bytes / std::max<std::int64_t>(1, static_cast<std::int64_t>(paths.size()));
   std::vector<std::string> sums;
   for (const std::string& path : paths)
-    sums.push_back(sum_of(path, std::max<std::int64_t>(1, share / kPiece_bytes)));
+    sums.push_back(sum_of(path, std::max<std::int64_t>(1, share / kSumPiece_bytes)));
   return sums;
 }
 

@@ -50,7 +50,7 @@ ALLOWED = {
     "server/radar/receiver_settings": [],
     "server/radar/doppler_settings": [],
     "server/radar/sea_state": BASE + WORDS + ["server/radar/simd"],
-    "server/radar/taper": [],
+    "server/radar/taper": ["terrain/base"],
     "server/radar/settings": TO_PROFILE + ["server/radar/beam_settings", "server/radar/receiver_settings", "server/radar/doppler_settings"],
     "server/radar/samples": ["terrain/buildings/buildings"],
     "server/radar/unsampled": TO_PROFILE + WORDS,

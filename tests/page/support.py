@@ -173,6 +173,18 @@ class Page:
     def await_script(self, text, what, patience_s=PATIENCE_S):
         return await_that(lambda: self.script(f"return {text}"), f"{what} ({text})", patience_s)
 
+    def await_value(self, text, wanted, what):
+        """Until the script returns `wanted`; an AssertionError with what it returned last where it does not."""
+        found = []
+
+        def is_there():
+            found[:] = [self.script(text)]
+            return found[0] == wanted
+        try:
+            await_that(is_there, what)
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {found[0]}, wanted {wanted}") from None
+
     def await_frame(self, more=1):
         """Until so many more whole frames are drawn."""
         before = self.script("return obliq.meter.drawn")

@@ -3,7 +3,8 @@
 #include <GeographicLib/Geocentric.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
+
+#include "terrain/base/units.h"
 
 namespace obliq {
 
@@ -22,9 +23,8 @@ glm::dvec3 location_of(const Place& place) {
 }
 
 LocalAxes local_axes(const Place& at) {
-  constexpr double kDegree = std::numbers::pi / 180;
-  const double phi = at.latitude_deg * kDegree;
-  const double lambda = at.longitude_deg * kDegree;
+  const double phi = at.latitude_deg * kDegree_rad;
+  const double lambda = at.longitude_deg * kDegree_rad;
   const double across = std::cos(lambda), along = std::sin(lambda);
   return {{-std::sin(phi) * across, -std::sin(phi) * along, std::cos(phi)},
           {-along, across, 0},

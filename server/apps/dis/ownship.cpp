@@ -6,17 +6,16 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <utility>
 
 #include "server/apps/dis/byte_reader.h"
 #include "server/apps/dis/dead_reckoning.h"
 #include "server/radar/settings.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Limits of a pose: server/control/PARAMETERS.md, antenna.*.
 constexpr double kLeastHeight_m = -1000;
 constexpr double kMostHeight_m = 100000;
@@ -34,9 +33,9 @@ struct Angles {
 
 /// Of a body against the axes of its place.
 Angles angles_of(const BodyAxes& body, const LocalAxes& local) {
-  return {std::atan2(glm::dot(body.nose, local.east), glm::dot(body.nose, local.north)) / kDegree,
-          {std::atan2(-glm::dot(body.right, local.up), -glm::dot(body.below, local.up)) / kDegree,
-           std::asin(std::clamp(glm::dot(body.nose, local.up), -1.0, 1.0)) / kDegree}};
+  return {std::atan2(glm::dot(body.nose, local.east), glm::dot(body.nose, local.north)) / kDegree_rad,
+          {std::atan2(-glm::dot(body.right, local.up), -glm::dot(body.below, local.up)) / kDegree_rad,
+           std::asin(std::clamp(glm::dot(body.nose, local.up), -1.0, 1.0)) / kDegree_rad}};
 }
 
 }  // namespace

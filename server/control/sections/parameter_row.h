@@ -10,14 +10,11 @@
 
 namespace obliq {
 
-/// Apart from the rows of other sections, which have no messages.
-namespace parameter_table {
-
 /// The row of a member of RadarSettings, of one of its parts or of PoseSettings: what it accepts, the field
 /// of its message, its place in the Modbus map, its sentence, what it means to others.
 template <auto member, auto... inner>
-Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
-              ModbusColumn modbus, std::string_view summary, Meaning meaning = {}) {
+Parameter parameter(std::string_view name, std::string_view unit, Accepts accepts, std::string_view field,
+                    ModbusColumn modbus, std::string_view summary, Meaning meaning = {}) {
   constexpr bool of_pose = std::is_same_v<decltype(owner_of(member)), PoseSettings>;
   return {{name, unit, accepts.limits, accepts.choices, summary},
           Change::live,
@@ -32,8 +29,6 @@ Parameter row(std::string_view name, std::string_view unit, Accepts accepts, std
           },
           meaning};
 }
-
-}  // namespace parameter_table
 
 /// Of antennas and targets.
 inline constexpr std::array kHeightReferences{Choice{"datum", "DATUM"}, Choice{"ground", "GROUND"},

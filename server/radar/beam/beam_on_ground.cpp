@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kFunction = 40;  // of a gain, in units of ask()
 constexpr int kGains = 1024;
 constexpr double kLeastWidth_rad = 1e-30;

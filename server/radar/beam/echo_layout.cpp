@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include "server/radar/beam/beam_on_ground.h"
@@ -16,11 +15,11 @@
 #include "server/radar/doppler/doppler_response.h"
 #include "server/radar/sea_state.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kFarthest_m = 500e3;  // radar.r_max_m's limit
 /// Each pixel's ray costs the same, however little of it a beam sees: the halo of the frusta that cast rays
 /// holds a beam down to 60 degrees of depression; below that its skirts are cut off.

@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "server/radar/beam/pattern_cuts.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180;
 /// Of the one-way gain: 60 dB down both ways.
 constexpr double kEdge = 1e-3;
 constexpr double kMostWidths = 4;
@@ -35,9 +35,12 @@ std::optional<Taper> taper_of(const RadarSettings& s) {
 }  // namespace
 
 AzimuthPattern::AzimuthPattern(const RadarSettings& s)
-    : kind_(s.beam.pattern), width_rad_(s.beam.width_deg * kRad), taper_(taper_of(s)), file_(s.beam.file) {
+    : kind_(s.beam.pattern),
+      width_rad_(s.beam.width_deg * kDegree_rad),
+      taper_(taper_of(s)),
+      file_(s.beam.file) {
   if (kind_ == BeamPattern::off) return;
-  extent_rad_ = s.beam.extent_deg > 0 ? s.beam.extent_deg * kRad : chosen_extent_rad();
+  extent_rad_ = s.beam.extent_deg > 0 ? s.beam.extent_deg * kDegree_rad : chosen_extent_rad();
   extent_rad_ = std::min(extent_rad_, std::numbers::pi);
 }
 
@@ -80,8 +83,8 @@ double AzimuthPattern::equivalent_width_rad() const {
 ElevationGain::ElevationGain(const RadarSettings& s, double tilt_rad)
     : kind_(s.beam.elevation),
       tilt_rad_(tilt_rad),
-      width_rad_(s.beam.elevation_width_deg * kRad),
-      cosecant_to_rad_(s.beam.cosecant_to_deg * kRad),
+      width_rad_(s.beam.elevation_width_deg * kDegree_rad),
+      cosecant_to_rad_(s.beam.cosecant_to_deg * kDegree_rad),
       file_(s.beam.file) {}
 
 double ElevationGain::gaussian(double offset_rad) const { return gaussian_gain(offset_rad, width_rad_); }

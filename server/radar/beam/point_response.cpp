@@ -9,7 +9,7 @@
 namespace obliq {
 namespace {
 
-Taper taper_of(const RadarSettings& s) {
+Taper window_of(const RadarSettings& s) {
   switch (s.pulse.window) {
     case PulseWindow::hamming:
       return Taper::hamming();
@@ -42,7 +42,7 @@ PointResponse::PointResponse(const RadarSettings& settings)
     : kind_(settings.pulse.kind),
       resolution_m_(resolution_of(settings)),
       half_pulse_m_(kSpeedOfLight_m_s / 2 * settings.pulse.length_us * 1e-6),
-      taper_(taper_of(settings)) {}
+      taper_(window_of(settings)) {}
 
 double PointResponse::at(double offset_m) const {
   switch (kind_) {

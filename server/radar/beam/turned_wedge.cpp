@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kTile = EchoPlan::kTile;
 
 class Turning {

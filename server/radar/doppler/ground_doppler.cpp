@@ -2,18 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "terrain/base/units.h"
 
 namespace obliq {
-namespace {
-
-constexpr double kTurn_rad = 2 * std::numbers::pi;
-
-}  // namespace
-
 double SectorVelocity::level_m_s() const { return std::hypot(ahead_m_s, right_m_s); }
 
 double SectorVelocity::across_m_s(double azimuth_rad) const {

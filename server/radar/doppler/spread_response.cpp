@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kStepsACell = DopplerTable::kStepsACell;
 /// What the Gaussian leaves of a lag counts down to here.
 constexpr double kLeastLeft = 1e-12;

@@ -4,10 +4,6 @@
 
 namespace obliq {
 
-namespace {
-constexpr int kAScatterer = 8;  // in units of ask()
-}  // namespace
-
 BinSums::BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, LabelParts labels)
     : plan_(plan),
       speckle_(speckle),

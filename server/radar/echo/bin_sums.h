@@ -14,6 +14,7 @@ namespace obliq {
 class BinSums {
  public:
   static constexpr std::size_t kBlock = 512;  ///< scatterers whose voltages are worked out together
+  static constexpr int kAScatterer = 8;       ///< in units of ask()
 
   /// voltages: false: I&Q is not computed.
   BinSums(const ScenePlan& plan, const SpeckleField& speckle, bool voltages, LabelParts labels);

@@ -14,7 +14,6 @@ namespace {
 // In units of ask().
 constexpr int kAnEcho = 4;
 constexpr int kAPiece = 16;
-constexpr int kAScatterer = 8;
 
 }  // namespace
 
@@ -154,7 +153,7 @@ void EchoCells::add(const GroundStretches& stretches) {
 void EchoCells::add_with_voltages(int n, const float* sine) {
   double re[kList];
   double im[kList];
-  ask(kAScatterer * n);
+  ask(BinSums::kAScatterer * n);
   speckle_.respond_ground({n, list_place_, list_kind_, list_power_w_, re, im, list_at_, &bins_.edges()});
   for (int k = 0; k < n; ++k) {
     const std::uint32_t at = list_at_[k];
@@ -256,7 +255,7 @@ void EchoCells::put_on_same_face(int k) {
 }
 
 void EchoCells::take_faces() {
-  ask(kAScatterer * faces_.n);
+  ask(BinSums::kAScatterer * faces_.n);
   active_kernels().face_powers(table_, faces_);
   if (bins_.has_voltages()) active_kernels().face_voltages(plan_.wavelength_m(), face_bins_, faces_);
   for (int k = 0; k < faces_.n; ++k) {

@@ -8,7 +8,6 @@
 #include <bit>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <utility>
 
 #include "server/radar/geometry/circle_axes.h"
@@ -16,11 +15,11 @@
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/parallel.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kBlock = 1024;  // buildings whose bins are worked out before they are used
 constexpr std::size_t kLeastForThreads = 50000;
 constexpr std::size_t kMostChunks = 16;

@@ -2,15 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "terrain/base/units.h"
 
 namespace obliq {
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-}  // namespace
-
 Sector::Sector(const RadarSettings& settings, const Pose& pose)
     : antenna_m(pose.antenna.m),
       bearing_rad(pose.bearing_world_rad),

@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <vector>
 
 #include "server/radar/geometry/circle_axes.h"
 #include "server/radar/profile/roofs.h"
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class Overlap { none, partial, full };
 

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/radar/simd/lanes/exact_math.h"
 #include "server/scene/tolerances.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Square of the distance from the origin to the segment a-b.
 double distance2(const glm::dvec2& a, const glm::dvec2& b) {

@@ -27,6 +27,8 @@ struct Silhouette : BuildingBounds {
                                     ///< all of a building around the antenna
 };
 
+constexpr int kASilhouette = 200;  ///< to find one, in units of ask()
+
 /// The building's silhouette around the turn that its first corner is in. A building that surrounds the
 /// antenna or stands under it reaches from -pi to pi with near_m 0.
 Silhouette silhouette_of(const Buildings& buildings, const Sector& sector, std::uint32_t building);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/vec3.hpp>
-#include <limits>
 #include <utility>
 
 #include "server/radar/simd/ground/ground_cells.h"
@@ -11,6 +10,7 @@
 #include "server/radar/simd/ground/profiles.h"
 #include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 #include "terrain/height_grid.h"
 
 namespace obliq {
@@ -35,8 +35,6 @@ struct GroundSegment {
 /// crossing is worked out from the antenna, nothing accumulates. May be left and taken up at any distance.
 class GroundWalk {
  public:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
   GroundWalk(const HeightGrid& grid, const glm::dvec3& antenna_m, double sin_bearing, double cos_bearing,
              double from_m, double to_m, double last_start_m = kInfinity)
       : ground_(ground_view(grid, antenna_m)),
@@ -164,8 +162,7 @@ struct GroundWidths {
 /// A profile over bare ground that begins at the nadir.
 inline void set_out(SightProfiles& profiles, std::size_t lane, SinCos bearing, const HeightGrid& grid,
                     const glm::dvec3& antenna_m, GroundWidths widths) {
-  set_out(profiles, lane, bearing,
-          GroundWalk(grid, antenna_m, bearing.sin, bearing.cos, 0, GroundWalk::kInfinity));
+  set_out(profiles, lane, bearing, GroundWalk(grid, antenna_m, bearing.sin, bearing.cos, 0, kInfinity));
   const Horizon<double> nothing;
   profiles.horizon_d_m[lane] = nothing.d_m;
   profiles.horizon_h_m[lane] = nothing.h_m;

@@ -59,7 +59,7 @@ class LineOfSight {
         antenna_m_(antenna_m),
         bearing_(bearing),
         cells_per_m_(1 / world.grid.cell_m),
-        walk_(world.grid, antenna_m, bearing.sin, bearing.cos, from_m, GroundWalk::kInfinity, reach_m),
+        walk_(world.grid, antenna_m, bearing.sin, bearing.cos, from_m, kInfinity, reach_m),
         horizon_(horizon),
         spans_(std::move(spans)) {
     cut_roofs(from_m);

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "server/scene/tolerances.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 
 namespace {
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Most walks are short, and those that make them ask for them.
 class WalkedCells {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/radar/beam/doppler_rows.h"
 #include "server/radar/beam/echo_sums.h"
@@ -17,7 +16,6 @@
 namespace obliq {
 namespace {
 
-constexpr double kTurn_rad = 2 * std::numbers::pi;
 constexpr double kLeastRange_m = 1;
 // In units of ask(): a gain, a bin of a row, products that a kernel adds up in one.
 constexpr int kGainWork = 40;

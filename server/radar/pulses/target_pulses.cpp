@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "server/radar/geometry/antenna_velocity.h"
 #include "terrain/base/asking.h"
@@ -12,12 +11,11 @@
 namespace obliq {
 namespace {
 
-constexpr double kTurn_rad = 2 * std::numbers::pi;
 /// Of the beam at its peak: pulses with less are left as they are.
 constexpr double kLeastGain = 1e-4;
 /// In units of ask(): a place in a pulse, a gate.
 constexpr int kPlaceWork = 60;
-constexpr int kGateWork = 10;
+constexpr int kTargetGateWork = 10;
 
 class TargetPulses {
  public:
@@ -71,7 +69,7 @@ class TargetPulses {
     const auto own = static_cast<int>(std::floor((range_m - bins.r_min_m) / bins.range_spacing_m));
     std::complex<float>* const gates =
         train_.iq.data() + static_cast<std::size_t>(pulse) * static_cast<std::size_t>(train_.n_range);
-    ask(std::int64_t{kGateWork} * (2 * reach + 1));
+    ask(std::int64_t{kTargetGateWork} * (2 * reach + 1));
     for (int m = std::max(0, own - reach); m <= std::min(bins.n_range - 1, own + reach); ++m) {
       const double middle_m = bins.r_min_m + (m + 0.5) * bins.range_spacing_m;
       gates[m] += std::complex<float>(voltage * (sharp ? 1 : response_.at(middle_m - range_m)));

@@ -7,11 +7,11 @@
 #include "server/radar/geometry/silhouettes.h"
 #include "server/scene/tolerances.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // In units of ask(): a line of posts without them, and a building's bounds with its place in the order.
 constexpr std::ptrdiff_t kALine = 4;
 constexpr int kABuilding = 40;

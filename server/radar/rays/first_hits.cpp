@@ -9,11 +9,11 @@
 
 #include "server/radar/simd/kernels.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// A clearance of a wider stretch of bearings costs less, and its rays start sooner.

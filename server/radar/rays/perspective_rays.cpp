@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "server/radar/geometry/sector.h"
 #include "server/radar/simd/kernels.h"
 #include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Tangent of a bearing offset as the start or the end of an interval. Ahead of the antenna tangents rise
 /// from -infinity to infinity, and so they do on each side behind it.

@@ -13,7 +13,7 @@
 namespace obliq {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoRange = std::numeric_limits<double>::quiet_NaN();
 // In units of ask().
 constexpr std::int64_t kAPixel = 2;
 constexpr std::int64_t kARay = 10;
@@ -99,8 +99,9 @@ void RaySamples::refine_ground() {
   double rough_m[kBatch];
   const auto n = static_cast<std::size_t>(rays_.n);
   for (std::size_t k = 0; k < n; ++k)
-    rough_m[k] = rough_[k].kind == RoughHit::Kind::ground ? static_cast<double>(rough_[k].distance_m) : kNone;
-  for (std::size_t k = n; k % 8 != 0; ++k) rough_m[k] = kNone;
+    rough_m[k] =
+        rough_[k].kind == RoughHit::Kind::ground ? static_cast<double>(rough_[k].distance_m) : kNoRange;
+  for (std::size_t k = n; k % 8 != 0; ++k) rough_m[k] = kNoRange;
   active_kernels().refine_ground_hits(
       {ground_view(plan_.scene().world().grid, plan_.sector().antenna_m), rays_.n, rays_.dir_x.data(),
        rays_.dir_y.data(), rays_.dir_z.data(), rough_m},
@@ -119,7 +120,7 @@ bool RaySamples::is_settled_ground(std::size_t k) const {
 
 /// A ray that hits a building or nothing, has leaked, or meets the ground next to a silhouette.
 void RaySamples::refine_one(std::size_t k, FrameStats& stats) {
-  hits_.slant_range_m[k] = kNone;
+  hits_.slant_range_m[k] = kNoRange;
   // A march never misses a surface; only Embree can.
   if (rough_[k].kind == RoughHit::Kind::none && !first_hits_.by_embree(k)) return;
   const Sector& sector = plan_.sector();

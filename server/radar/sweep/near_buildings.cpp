@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/radar/sweep/sweep_echoes.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -22,7 +22,6 @@ constexpr double kNear_m = 1500;
 constexpr double kNotBelow_m = 750;
 
 constexpr std::size_t kRun = 4096;  // circles between two times that are asked
-constexpr int kABuilding = 200;     // its silhouette, in units of ask()
 
 double height_of(const Building& building) {
   return static_cast<double>(building.roof_y_m) - static_cast<double>(building.base_y_m);
@@ -71,7 +70,7 @@ NearBuildings::NearBuildings(const ScenePlan& plan) : bins_(static_cast<std::siz
   const Buildings& all = plan.scene().world().buildings;
   const double lowest_slope = lowest_slope_in_swath(plan);
   for (const std::uint32_t b : by_circles(plan)) {
-    ask(kABuilding);
+    ask(kASilhouette);
     Silhouette seen = silhouette_of(all, plan.sector(), b);
     if (!is_near(plan, all.list[b], seen.near_m) || seen.top_slope < lowest_slope) continue;
     numbers_.push_back(b);
@@ -89,7 +88,6 @@ bool NearBuildings::has(std::uint32_t building) const {
 }
 
 void NearBuildings::sort_into(const BinGrid& bins) {
-  constexpr double kTurn_rad = 2 * std::numbers::pi;
   for (std::uint32_t k = 0; k < near_.size(); ++k) {
     for (int turn = -1; turn <= 1; ++turn) {
       const double by_rad = turn * kTurn_rad;

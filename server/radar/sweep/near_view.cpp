@@ -17,7 +17,7 @@ constexpr int kNodes = 8;  // that one unit hides ground at
 
 /// Of a bin that has no corner in it: ground is as high all across a strip.
 constexpr int kLeastStrips = 2;
-/// As SegmentSampler::kTurn_rad, of a surface that shines alike at any incidence.
+/// As SegmentSampler::kMostTurn_rad, of a surface that shines alike at any incidence.
 constexpr double kDullTurn_rad = 1.0 / 8;
 
 /// Whether a lobe shines at an incidence: below exp(-15) of its peak there is less than 1e-3 of any floor.
@@ -29,8 +29,9 @@ bool shines(const EchoTable& table, std::uint8_t material, double cos_incidence)
 
 /// The angle over which an echo is of one incidence and gain.
 double turn_rad(const EchoTable& table, std::uint8_t material, double greatest_cos) {
-  return table.elevation.gain != nullptr || shines(table, material, greatest_cos) ? SegmentSampler::kTurn_rad
-                                                                                  : kDullTurn_rad;
+  return table.elevation.gain != nullptr || shines(table, material, greatest_cos)
+             ? SegmentSampler::kMostTurn_rad
+             : kDullTurn_rad;
 }
 
 constexpr double kFarBelow = -1e9;

@@ -42,9 +42,9 @@ class SegmentSampler {
   void visible(const VisibleSegment& segment);
 
   /// Incidence and range are taken as constant over at most this angle. A lobe of rms slope s is then off by
-  /// (kTurn / s)^2 / 24 at its flank, 0.1 % at s = 0.1; the radar equation's integrand by (kTurn / tan(
-  /// depression))^2 / 12 on slopes, and not at all on level ground.
-  static constexpr double kTurn_rad = 1.0 / 64;
+  /// (kMostTurn_rad / s)^2 / 24 at its flank, 0.1 % at s = 0.1; the radar equation's integrand by
+  /// (kMostTurn_rad / tan(depression))^2 / 12 on slopes, and not at all on level ground.
+  static constexpr double kMostTurn_rad = 1.0 / 64;
 
  private:
   static constexpr int kSpare = 32;
@@ -69,7 +69,7 @@ class SegmentSampler {
   void add_part(const VisibleSegment& segment, At from, At to, int depth);
   void put(const Sample& sample);
 
-  double turn_rad_ = kTurn_rad;
+  double turn_rad_ = kMostTurn_rad;
   const BinGrid& bins_;
   double bins_per_m_;
   const HeightGrid& grid_;

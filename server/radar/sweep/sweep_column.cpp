@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
-#include <numbers>
 
 #include "server/scene/tolerances.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A corner makes a cut when both sides of it keep at least this share of the column or of the building,
 /// whichever is less: a strand sees one wall, and their number stays bounded.

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include "server/radar/echo/sea_echo.h"
 #include "server/radar/profile/ground_walk.h"
@@ -11,6 +9,7 @@
 #include "server/radar/simd/lanes/exact_math.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/stage_clock.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
@@ -119,7 +118,6 @@ void SweepEchoes::start_planes() {
 }
 
 void SweepEchoes::start_plane(int half) {
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const BinGrid& bins = plan_.bins();
   plane_width_rad_ = bins.azimuth_width_rad / planes_;
   const GroundWidths widths{&plane_width_rad_, &kInfinity};

@@ -13,7 +13,7 @@ SweepGround::SweepGround(const ScenePlan& plan) : plan_(plan) {
   bins_ = {};
   bins_.axis = plan.bins();
   bins_.ground = ground_view(world.grid, plan.sector().antenna_m);
-  bins_.turn_rad = SegmentSampler::kTurn_rad;
+  bins_.turn_rad = SegmentSampler::kMostTurn_rad;
   bins_.material = world.surface_material.empty() ? nullptr : world.surface_material.data();
   bins_.raster_gamma = world.raster_gamma.empty() ? nullptr : world.raster_gamma.data();
 }

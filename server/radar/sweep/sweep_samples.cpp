@@ -7,9 +7,7 @@
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
-namespace {
-constexpr int kABuilding = 200;  // its silhouette, in units of ask()
-}
+namespace {}
 
 SweepSamples::SweepSamples(const ScenePlan& plan, AzimuthRange range)
     : plan_(plan),
@@ -20,7 +18,7 @@ SweepSamples::SweepSamples(const ScenePlan& plan, AzimuthRange range)
       ground_(plan) {
   const StageProbe probe(Stage::buildings);
   for (const std::uint32_t b : plan.buildings_in(range)) {
-    ask(kABuilding);
+    ask(kASilhouette);
     silhouettes_.push_back(silhouette_of(plan.scene().world().buildings, plan.sector(), b));
     if (silhouettes_.back().near_m > plan.building_reach_m()) silhouettes_.pop_back();
   }

@@ -13,7 +13,7 @@ constexpr double kFarBelow = -1e9;
 constexpr double kNowhere = -1e9;
 
 // In units of ask().
-constexpr int kABuilding = 10;
+constexpr int kARoof = 10;
 constexpr int kAStretch = 4;
 
 double range_at(double distance_m, double height_m) {
@@ -40,7 +40,7 @@ void SweptReturns::start(std::size_t run, int plane, int profile, SinCos bearing
   roofs.clear();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   for (const std::uint32_t building : buildings(plane, profile)) {
-    ask(kABuilding);
+    ask(kARoof);
     add_roof_spans(plan_.scene().world().buildings, building, antenna.x, antenna.z, bearing.sin, bearing.cos,
                    roofs);
   }

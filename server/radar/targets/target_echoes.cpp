@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "server/radar/geometry/antenna_velocity.h"
 #include "server/radar/simd/lanes/exact_math.h"
@@ -17,7 +16,6 @@
 namespace obliq {
 namespace {
 
-constexpr double kTurn_rad = 2 * std::numbers::pi;
 /// Of the beam at its peak: azimuths with less are left as they are.
 constexpr double kLeastGain = 1e-4;
 /// What is nearer counts as so near, or the radar equation has no bound.

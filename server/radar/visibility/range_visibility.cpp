@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -16,11 +15,10 @@
 #include "server/radar/visibility/range_march.h"
 #include "server/scene/tolerances.h"
 #include "terrain/base/asking.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A march that begins later saves less than finding the horizon there costs.
 constexpr double kWorthwhile_cells = 64;

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/radar/simd/lanes/exact_math.h"
 #include "server/scene/tolerances.h"
+#include "terrain/base/units.h"
 
 namespace obliq {
 namespace {
-
-constexpr double kTurn_rad = 2 * std::numbers::pi;
 
 /// A cell for so many buildings, and no more than kMostCells: most buildings are wider than finer ones.
 constexpr std::size_t kBuildingsACell = 4;

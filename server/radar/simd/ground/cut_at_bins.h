@@ -12,7 +12,7 @@ namespace obliq {
 struct SegmentCut {
   RangeAxis axis;
   GroundView ground;
-  double turn_rad;  ///< SegmentSampler::kTurn_rad
+  double turn_rad;  ///< SegmentSampler::kMostTurn_rad
   double sin_bearing[SightProfiles::kLanes];
   double cos_bearing[SightProfiles::kLanes];
   double azimuth_offset_rad[SightProfiles::kLanes];

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "server/radar/simd/lanes/lanes.h"
 
@@ -69,14 +70,14 @@ inline double bearing_of(double right, double ahead) {
   const double cosine = ahead / length;
   const double s = std::fabs(sine);
   const double c = std::fabs(cosine);
-  constexpr double kPi = 3.14159265358979323846;
+  constexpr double half_turn = std::numbers::pi;
   const double tangent = s < c ? s / c : c / s;
-  double angle = tangent * (kPi / 4 + 0.273 * (1 - tangent));
-  if (s >= c) angle = kPi / 2 - angle;
-  if (cosine < 0) angle = kPi - angle;
+  double angle = tangent * (half_turn / 4 + 0.273 * (1 - tangent));
+  if (s >= c) angle = half_turn / 2 - angle;
+  if (cosine < 0) angle = half_turn - angle;
   if (sine < 0) angle = -angle;
   for (int step = 0; step < 2; ++step) {
-    const SinCos at = sincos_turns(angle / (2 * kPi));
+    const SinCos at = sincos_turns(angle / (2 * half_turn));
     const double off = sine * at.cos - cosine * at.sin;  // sin of what is missing
     angle += off + off * off * off / 6;
   }
