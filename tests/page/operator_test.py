@@ -1,4 +1,5 @@
 """The page as an operator uses it: knobs that are seen, a picture without gaps, scales, words on the picture, lines by number."""
+import re
 import time
 import unittest
 
@@ -289,18 +290,22 @@ class Lines(BaseOperator):
     def test_the_course_of_a_flight_is_said_and_may_be_up(self):
         self.show("a=nose&up=course")
         with self.server.radar("nose").control() as control:
-            began = time.monotonic()
-            while (since := time.monotonic() - began) < 5:  # 100 m/s to the south-east
+            began, seen = time.monotonic(), []
+
+            def says_so():  # of 100 m/s to the south-east; a busy machine shows its poses unevenly at first
+                since = time.monotonic() - began
                 control.set_pose(latitude_deg=33 - 70.7 * since / 110900, longitude_deg=-99.5 + 70.7 * since / 93450, bearing_deg=60.0)
                 time.sleep(0.05)
-            course, speed, up = self.page.script("const { ppi, heading } = obliq.panes[0]; return [heading.course_deg, heading.speed_mps, ppi.view.up_deg]")
-            words = self.page.script("return document.querySelector('.annun.upper.right').textContent")
+                seen[:] = self.page.script("""const { ppi, heading } = obliq.panes[0];
+                    return [heading.course_deg, heading.speed_mps, ppi.view.up_deg, document.querySelector('.annun.upper.right').textContent];""")
+                course, speed, up, words = seen
+                return (course is not None and abs(course - 135) < 2 and abs(speed - 100) < 25 and abs(up - course) < 1
+                        and "CRS UP  R" in words and re.search(r"CRS 13\d\.\d° T  [12]\d\d kt", words))
+            try:
+                support.await_that(says_so, "course and speed")
+            except AssertionError as error:
+                self.fail(f"{error}: {seen}")
             control.set_pose(latitude_deg=33.0, longitude_deg=-99.5)
-        self.assertAlmostEqual(course, 135, delta=2)
-        self.assertAlmostEqual(speed, 100, delta=25)
-        self.assertAlmostEqual(up, course, delta=1)
-        self.assertIn("CRS UP  R", words)
-        self.assertRegex(words, r"CRS 13\d\.\d° T  1\d\d kt|CRS 13\d\.\d° T  2\d\d kt")
 
     def test_a_velocity_that_a_pose_gives_is_course_and_speed_at_once(self):
         self.show("a=nose&up=north")
@@ -363,13 +368,14 @@ class Lines(BaseOperator):
 
     def test_the_banner_stands_at_the_top_and_off_the_map_beats_stale_pose(self):
         self.show("a=nose")
-        self.page.script("""obliq.watch.poll = async () => {};
+        # In one script: between two a message of the server may say how its radar is.
+        text, top, height = self.page.script("""obliq.watch.poll = async () => {};
             const [pane] = obliq.panes;
             Object.assign(pane.info, { pose_stale: true });
             pane.status = { ...pane.status, coverage: 0 };
-            obliq.tell();""")
-        text, top, height = self.page.script("""const { banner } = obliq.panes[0], box = banner.getBoundingClientRect();
-            return [banner.textContent, box.bottom - obliq.panes[0].element.getBoundingClientRect().top, obliq.panes[0].ppi.height];""")
+            obliq.tell();
+            const { banner } = pane, box = banner.getBoundingClientRect();
+            return [banner.textContent, box.bottom - pane.element.getBoundingClientRect().top, pane.ppi.height];""")
         self.assertEqual(text, "OFF THE MAP")
         self.assertLess(top, 0.15 * height)
 
