@@ -17,8 +17,8 @@ constexpr double kLeast = 0x1p-30;
 constexpr double kMost = 0x1p6;  // beyond it one number in 1e24
 constexpr int kCellBits = 5;
 constexpr int kFractionBits = 52;  // of IEEE 754's binary64
-constexpr int kShift = kFractionBits - kCellBits;
-constexpr std::uint64_t kCell = std::uint64_t{1} << kShift;  // of a number's bits
+constexpr int kBitsInCell = kFractionBits - kCellBits;
+constexpr std::uint64_t kCell = std::uint64_t{1} << kBitsInCell;  // of a number's bits
 
 std::uint64_t first_bits() { return std::bit_cast<std::uint64_t>(kLeast); }
 
@@ -46,9 +46,9 @@ double distribution(double s, double steady, bool above) {
 
 LooksLaw::LooksLaw(int looks) : steady_(steady_part(looks)) {
   const double n = looks;
-  const std::uint64_t cells = (std::bit_cast<std::uint64_t>(kMost) - first_bits()) >> kShift;
+  const std::uint64_t cells = (std::bit_cast<std::uint64_t>(kMost) - first_bits()) >> kBitsInCell;
   for (std::uint64_t k = 0; k <= cells; ++k) {
-    const double s = std::bit_cast<double>(first_bits() + (k << kShift));
+    const double s = std::bit_cast<double>(first_bits() + (k << kBitsInCell));
     const double below = distribution(s, steady_, false);
     const double x = below < 0.5 ? boost::math::gamma_p_inv(n, below)
                                  : boost::math::gamma_q_inv(n, distribution(s, steady_, true));
@@ -69,7 +69,7 @@ double LooksLaw::mean(double re, double im) const {
   const double along = re + steady_;
   const double s = std::clamp(along * along + im * im, kLeast, kMost * (1 - 0x1p-52));
   const std::uint64_t bits = std::bit_cast<std::uint64_t>(s) - first_bits();
-  const auto cell = static_cast<std::size_t>(bits >> kShift);
+  const auto cell = static_cast<std::size_t>(bits >> kBitsInCell);
   const std::uint64_t within = bits & (kCell - 1);
   const double share = static_cast<double>(within) / static_cast<double>(kCell);
   const double from = static_cast<double>(means_[cell]);

@@ -86,9 +86,9 @@ void VideoCoder::code(int azimuth) {
 
 template <typename Level>
 void VideoCoder::code(std::size_t first, std::vector<Level>& plane) {
-  constexpr double kMost = std::numeric_limits<Level>::max();  // the highest level
-  active_kernels().video_levels(
-      {bins_.n_range, power_.data(), scale_.floor_db, (kMost - 1) / scale_.span_db, kMost, level_.data()});
+  constexpr double highest = std::numeric_limits<Level>::max();
+  active_kernels().video_levels({bins_.n_range, power_.data(), scale_.floor_db,
+                                 (highest - 1) / scale_.span_db, highest, level_.data()});
   std::transform(level_.begin(), level_.begin() + bins_.n_range,
                  plane.begin() + static_cast<std::ptrdiff_t>(first),
                  [](std::int32_t level) { return static_cast<Level>(level); });
