@@ -73,7 +73,7 @@ class GammaRaster {
         coding_(raster_),
         says_decibel_(says_decibel(raster_)),
         reader_(raster_, raster_.band()) {
-    require_whole_raw_file(raster_);
+    require_whole_file(raster_, raster_.rows());
   }
 
   void apply() {

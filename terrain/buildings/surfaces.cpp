@@ -15,6 +15,7 @@
 #include "terrain/buildings/placement.h"
 #include "terrain/dem/gdal_messages.h"
 #include "terrain/dem/geodetic_lattice.h"
+#include "terrain/dem/raster_values.h"
 #include "terrain/dem/resample.h"
 
 namespace obliq {
@@ -271,6 +272,7 @@ ClassWindow read_classes(const Raster& raster, const PixelRect& rect, Legend& le
     raster.refuse("the loaded area has more than 2^30 of its pixels", "a coarser raster or a smaller area");
   ClassWindow window;
   window.rect = rect;
+  require_whole_file(raster, rect.row1);
   window.code.reserve(static_cast<std::size_t>(rect.columns()) * static_cast<std::size_t>(rect.rows()));
   std::vector<double> line(static_cast<std::size_t>(rect.columns()));
   GdalMessages messages;

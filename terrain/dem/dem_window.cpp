@@ -138,7 +138,7 @@ DemWindow read_window(const Raster& raster, const PixelRect& rect, int step,
                       const std::optional<VerticalUnit>& unit, const Progress& progress, PostSample* sample) {
   const StageProbe probe(Stage::load);
   const Decoder decoder(raster, height_unit(raster, unit).metres);
-  require_whole_raw_file(raster);
+  require_whole_file(raster, rect.row1);
   const int whole_step = std::max(1, std::min({step, rect.columns(), rect.rows()}));
   const RasterLevel level = level_to_read(raster, rect, whole_step);
   if (level.factor > 1) sample = nullptr;  // an overview's pixels are none of the raster's own posts

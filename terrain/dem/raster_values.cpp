@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <gdal_priv.h>
 
+#include <memory>
 #include <string>
 
 #include "terrain/dem/gdal_messages.h"
@@ -13,6 +14,39 @@ namespace {
 bool read_band(GDALRasterBand& band, const PixelRect& r, void* to, GDALDataType type) {
   return band.RasterIO(GF_Read, r.column0, r.row0, r.columns(), r.rows(), to, r.columns(), r.rows(), type, 0,
                        0, nullptr) == CE_None;
+}
+
+/// Of the drivers that find a row behind the one before it.
+bool is_text_grid(GDALDataset& dataset) {
+  const std::string driver = dataset.GetDriverName();
+  return driver == "AAIGrid" || driver == "GRASSASCIIGrid" || driver == "ISG";
+}
+
+/// Its rows stay in GDAL's cache for those who want their values.
+void read_in_order(const Raster& raster, GDALDataset& dataset, int rows) {
+  const GdalMessages messages;
+  GDALRasterBand& band = *dataset.GetRasterBand(1);
+  for (int row = 0; row < rows; ++row) {
+    GDALRasterBlock* const block = band.GetLockedBlockRef(0, row);
+    if (block != nullptr) block->DropLock();
+    if (block == nullptr || !messages.failure().empty())
+      raster.refuse(fmt::format("row {} cannot be read: {}", row, messages.reason("the file is cut short")),
+                    "a whole, readable raster");
+  }
+}
+
+void require_all_bytes(const Raster& raster, GDALDataset& dataset) {
+  const GDALDataType type = raster.band().GetRasterDataType();
+  if (EQUAL(CPLGetExtension(raster.path().c_str()), "flt") && type != GDT_Float32)
+    raster.refuse("it is truncated: a GridFloat file holds 4 bytes a post", "a whole file");
+  VSIStatBufL status;
+  if (VSIStatL(raster.path().c_str(), &status) != 0) return;
+  const double needed = static_cast<double>(raster.columns()) * raster.rows() * dataset.GetRasterCount() *
+                        GDALGetDataTypeSizeBits(type) / 8;
+  if (static_cast<double>(status.st_size) < needed)
+    raster.refuse(
+        fmt::format("it is truncated: {} of {} bytes", status.st_size, static_cast<long long>(needed)),
+        "a whole file");
 }
 
 }  // namespace
@@ -32,21 +66,20 @@ ValueCoding::ValueCoding(const Raster& raster) {
                   "finite numbers and a scale other than 0");
 }
 
-void require_whole_raw_file(const Raster& raster) {
-  GDALDataset* dataset = raster.band().GetDataset();
-  const char* driver = dataset->GetDriverName();
-  if (std::string(driver) != "EHdr" && std::string(driver) != "ENVI") return;
-  if (EQUAL(CPLGetExtension(raster.path().c_str()), "flt") &&
-      raster.band().GetRasterDataType() != GDT_Float32)
-    raster.refuse("it is truncated: a GridFloat file holds 4 bytes a post", "a whole file");
-  VSIStatBufL status;
-  if (VSIStatL(raster.path().c_str(), &status) != 0) return;
-  const double needed = static_cast<double>(raster.columns()) * raster.rows() * dataset->GetRasterCount() *
-                        GDALGetDataTypeSizeBits(raster.band().GetRasterDataType()) / 8;
-  if (static_cast<double>(status.st_size) < needed)
-    raster.refuse(
-        fmt::format("it is truncated: {} of {} bytes", status.st_size, static_cast<long long>(needed)),
-        "a whole file");
+void require_whole_file(const Raster& raster, int rows) {
+  GDALDataset& dataset = *raster.band().GetDataset();
+  const std::string driver = dataset.GetDriverName();
+  if (is_text_grid(dataset)) {
+    read_in_order(raster, dataset, rows);
+  } else if (driver == "VRT") {
+    for (const std::string& name : raster.files()) {
+      const GdalMessages quiet;
+      const std::unique_ptr<GDALDataset> part(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER));
+      if (part && is_text_grid(*part)) read_in_order(raster, *part, part->GetRasterYSize());
+    }
+  } else if (driver == "EHdr" || driver == "ENVI") {
+    require_all_bytes(raster, dataset);
+  }
 }
 
 PixelReader::PixelReader(const Raster& raster, GDALRasterBand& band) : raster_(raster), band_(band) {

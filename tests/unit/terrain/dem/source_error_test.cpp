@@ -277,6 +277,29 @@ TEST(BadDem, TruncatedFilesOfAnyKindAreErrorsAndNeverZeros) {
   }
 }
 
+// GDAL 3.6 looks for a missing row of a text grid twice as often for each row behind it: 2^130 times here.
+TEST(BadDem, TextGridThatEndsLongBeforeTheScenesRowsIsRefusedAtOnce) {
+  const Folder folder;
+  RasterPlan plan = around(-99.5, 33, hill);
+  plan.driver = "AAIGrid";
+  plan.columns = plan.rows = 401;
+  plan.geotransform = {-99.5 - 200.5 / 1024, 1.0 / 1024, 0, 33 + 200.5 / 1024, 0, -1.0 / 1024};
+  const std::string path = write_raster(folder, "cut.asc", plan);
+  folder.text("of_cut.vrt", R"(<VRTDataset rasterXSize="401" rasterYSize="401"><SRS>EPSG:4326</SRS>
+    <GeoTransform>-99.69580078125, 0.0009765625, 0, 33.19580078125, 0, -0.0009765625</GeoTransform>
+    <VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename relativeToVRT="1">cut.asc</SourceFilename>
+    <SourceBand>1</SourceBand><SrcRect xOff="0" yOff="0" xSize="401" ySize="401"/>
+    <DstRect xOff="0" yOff="0" xSize="401" ySize="401"/></SimpleSource></VRTRasterBand></VRTDataset>)");
+  EXPECT_EQ(error_of(bad(path)), "no error");
+  EXPECT_EQ(error_of(bad(folder.file("of_cut.vrt"))), "no error");
+  cut(path, 0.1);
+  for (const char* name : {"cut.asc", "of_cut.vrt"}) {
+    const std::string error = error_of(bad(folder.file(name)));
+    expect_named(error, name);
+    EXPECT_NE(error.find("cannot be read"), std::string::npos) << error;
+  }
+}
+
 TEST(BadDem, ShortGridFloatFileIsNotTakenForOneOfBytes) {
   const Folder folder;
   folder.text("g.hdr",
