@@ -22,7 +22,7 @@ bool is_text_grid(GDALDataset& dataset) {
   return driver == "AAIGrid" || driver == "GRASSASCIIGrid" || driver == "ISG";
 }
 
-/// Its rows stay in GDAL's cache for those who want their values.
+/// The rows stay in GDAL's cache, where their values are read next.
 void read_in_order(const Raster& raster, GDALDataset& dataset, int rows) {
   const GdalMessages messages;
   GDALRasterBand& band = *dataset.GetRasterBand(1);

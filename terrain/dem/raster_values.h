@@ -34,10 +34,10 @@ class ValueCoding {
   bool single_ = false;
 };
 
-/// Throws InputError where a file is cut short that GDAL would not say it of. Its raw drivers read past the
-/// end of a short file as zeros, and take a short GridFloat file, whose header names no type, for one of
-/// bytes. Of a short text grid they look for a row that is missing twice as often for each row behind it,
-/// without an end: the first `rows` are read in their order, which looks for each once.
+/// Throws InputError where a file is cut short and GDAL would not say so. Its raw drivers read past the end
+/// of a short file as zeros, and take a short GridFloat file, whose header names no type, for one of bytes.
+/// Its text drivers look for a missing row twice as often for each row behind it, which never ends: so the
+/// first `rows` are read in order, and the first that is missing is refused.
 void require_whole_file(const Raster& raster, int rows);
 
 /// Reads rectangles of a band, as stored; those that a mask band hides are NaN. Nothing is returned unless
