@@ -47,7 +47,7 @@ void GdalMessages::keep(const char* message) {
 
 std::string GdalMessages::reason_without(const std::string& path, const char* fallback) const {
   std::string text = reason(fallback);
-  for (const std::string& beginning : {path + ": ", "`" + path + "' "})
+  for (const std::string& beginning : {path + ": ", path + ", band 1: ", "`" + path + "' "})
     if (text.starts_with(beginning)) text.erase(0, beginning.size());
   if (text.ends_with('.')) text.pop_back();
   return text;

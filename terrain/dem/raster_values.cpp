@@ -30,7 +30,8 @@ void read_in_order(const Raster& raster, GDALDataset& dataset, int rows) {
     GDALRasterBlock* const block = band.GetLockedBlockRef(0, row);
     if (block != nullptr) block->DropLock();
     if (block == nullptr || !messages.failure().empty())
-      raster.refuse(fmt::format("row {} cannot be read: {}", row, messages.reason("the file is cut short")),
+      raster.refuse(fmt::format("row {} cannot be read: {}", row,
+                                messages.reason_without(raster.path(), "the file is cut short")),
                     "a whole, readable raster");
   }
 }
@@ -100,7 +101,7 @@ void PixelReader::read(const PixelRect& rect, std::vector<double>& stored) {
   }
   if (!ok || !messages.failure().empty())
     raster_.refuse(fmt::format("rows {} to {} cannot be read: {}", rect.row0, rect.row1 - 1,
-                               messages.reason("the file is damaged or cut short")),
+                               messages.reason_without(raster_.path(), "the file is damaged or cut short")),
                    "a whole, readable raster");
 }
 
