@@ -16,11 +16,8 @@ bool read_band(GDALRasterBand& band, const PixelRect& r, void* to, GDALDataType 
                        0, nullptr) == CE_None;
 }
 
-/// Of the drivers that find a row behind the one before it.
-bool is_text_grid(GDALDataset& dataset) {
-  const std::string driver = dataset.GetDriverName();
-  return driver == "AAIGrid" || driver == "GRASSASCIIGrid" || driver == "ISG";
-}
+/// Drivers that find a row behind the one before it.
+constexpr const char* const kTextGrids[] = {"AAIGrid", "GRASSASCIIGrid", "ISG", nullptr};
 
 /// The rows stay in GDAL's cache, where their values are read next.
 void read_in_order(const Raster& raster, GDALDataset& dataset, int rows) {
@@ -70,13 +67,13 @@ ValueCoding::ValueCoding(const Raster& raster) {
 void require_whole_file(const Raster& raster, int rows) {
   GDALDataset& dataset = *raster.band().GetDataset();
   const std::string driver = dataset.GetDriverName();
-  if (is_text_grid(dataset)) {
+  if (CSLFindString(kTextGrids, driver.c_str()) >= 0) {
     read_in_order(raster, dataset, rows);
   } else if (driver == "VRT") {
     for (const std::string& name : raster.files()) {
       const GdalMessages quiet;
-      const std::unique_ptr<GDALDataset> part(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER));
-      if (part && is_text_grid(*part)) read_in_order(raster, *part, part->GetRasterYSize());
+      const std::unique_ptr<GDALDataset> part(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER, kTextGrids));
+      if (part) read_in_order(raster, *part, part->GetRasterYSize());
     }
   } else if (driver == "EHdr" || driver == "ENVI") {
     require_all_bytes(raster, dataset);

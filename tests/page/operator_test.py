@@ -301,10 +301,7 @@ class Lines(BaseOperator):
                 course, speed, up, words = seen
                 return (course is not None and abs(course - 135) < 2 and abs(speed - 100) < 25 and abs(up - course) < 1
                         and "CRS UP  R" in words and re.search(r"CRS 13\d\.\d° T  [12]\d\d kt", words))
-            try:
-                support.await_that(says_so, "course and speed")
-            except AssertionError as error:
-                self.fail(f"{error}: {seen}")
+            support.await_that(says_so, lambda: f"course and speed: {seen}")
             control.set_pose(latitude_deg=33.0, longitude_deg=-99.5)
 
     def test_a_velocity_that_a_pose_gives_is_course_and_speed_at_once(self):

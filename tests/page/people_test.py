@@ -49,6 +49,9 @@ class BasePeople(unittest.TestCase):
         self.page.open(self.daemon.url, fragment)
         self.page.await_script("globalThis.obliq && obliq.meter.drawn > 1", "frames")
 
+    def await_parameters(self):
+        self.page.await_script("obliq.controls.table.length && obliq.panes[0].info", "the parameters")
+
 
 class Layout(BasePeople):
     def test_sizes_without_scroll_bars(self):
@@ -61,7 +64,7 @@ class Layout(BasePeople):
                         # As soon as neither scrolls: a busy machine lays the page out late.
                         self.page.await_value(OVER % "document.scrollingElement", [0, 0], "a page that does not scroll")
                         if panes == 1:
-                            self.page.await_script("obliq.controls.table.length && obliq.panes[0].info", "the parameters")
+                            self.await_parameters()
                             self.page.await_value(OVER % f"document.querySelector('aside > section#{tab}:not([hidden])')", [0, 0],
                                                   "a panel that does not scroll")
                         pictures = self.page.script("""return obliq.panes.map(({ ppi, bins: { placement } }) => {
@@ -125,7 +128,7 @@ class Layout(BasePeople):
         from selenium.webdriver.common.by import By
         from selenium.webdriver.common.keys import Keys
         self.show("a=main&tab=view")
-        self.page.await_script("obliq.controls.table.length && obliq.panes[0].info", "the parameters")
+        self.await_parameters()
         wanted = self.page.script("""
             document.activeElement?.blur();
             window.focusable = [...document.querySelectorAll('button, select, input, [tabindex="0"]')]

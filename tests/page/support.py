@@ -174,16 +174,8 @@ class Page:
         return await_that(lambda: self.script(f"return {text}"), f"{what} ({text})", patience_s)
 
     def await_value(self, text, wanted, what):
-        """Until the script returns `wanted`; an AssertionError with what it returned last where it does not."""
-        found = []
-
-        def is_there():
-            found[:] = [self.script(text)]
-            return found[0] == wanted
-        try:
-            await_that(is_there, what)
-        except AssertionError as error:
-            raise AssertionError(f"{error}: {found[0]}, wanted {wanted}") from None
+        """Until the script returns `wanted`; an AssertionError with what it returns then where it does not."""
+        return await_that(lambda: self.script(text) == wanted, lambda: f"{what}: {self.script(text)}, wanted {wanted}")
 
     def await_frame(self, more=1):
         """Until so many more whole frames are drawn."""
@@ -194,7 +186,7 @@ class Page:
         return self.script("return document.getElementById('words').textContent")
 
     def await_words(self, part):
-        return await_that(lambda: part in self.words(), f"the words {part!r}; the page says {self.words()!r}")
+        return await_that(lambda: part in self.words(), lambda: f"the words {part!r}; the page says {self.words()!r}")
 
     def shot(self, path):
         pathlib.Path(path).parent.mkdir(parents=True, exist_ok=True)

@@ -6,10 +6,10 @@
 
 namespace obliq::test {
 
-/// X band, a beam of 3 degrees, 40 degrees of sector, ground around 6 km.
-inline RadarSettings doppler_radar(RadarMode mode, int azimuth_bins) {
+/// X band, a beam of 3 degrees, 64 range bins around 6 km.
+inline RadarSettings doppler_radar(RadarMode mode, int azimuth_bins, double sector_deg = 40) {
   RadarSettings s =
-      radar_settings(FrustumKind::sweep, {5000, 7000, 40}, {azimuth_bins, 64}, {azimuth_bins, 1});
+      radar_settings(FrustumKind::sweep, {5000, 7000, sector_deg}, {azimuth_bins, 64}, {azimuth_bins, 1});
   s.mode = mode;
   s.frequency_ghz = 9.4;
   s.speckle = SpeckleKind::ground;

@@ -36,11 +36,11 @@ def free_ports(count, kind=socket.SOCK_STREAM):
 
 
 def await_that(question, what, seconds=STARTS_S):
-    """The first true answer; an AssertionError with `what` where none comes."""
+    """The first true answer; an AssertionError with `what` where none comes: words, or a function that says them then."""
     end = time.monotonic() + seconds
     while not (answer := question()):
         if time.monotonic() > end:
-            raise AssertionError(f"waited {seconds} s for {what}")
+            raise AssertionError(f"waited {seconds} s for {what() if callable(what) else what}")
         time.sleep(0.02)
     return answer
 

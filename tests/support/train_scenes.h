@@ -5,21 +5,15 @@
 #include <vector>
 
 #include "server/radar/pulses/render_train.h"
+#include "tests/support/doppler_scenes.h"
 #include "tests/support/target_scenes.h"
 
 namespace obliq::test {
 
-/// X band, 3 degrees, 64 gates around 6 km.
 inline RadarSettings train_settings() {
-  RadarSettings s = radar_settings(FrustumKind::sweep, {5000, 7000, 21}, {105, 64}, {105, 1});
-  s.mode = RadarMode::pulses;
-  s.frequency_ghz = 9.4;
+  RadarSettings s = doppler_radar(RadarMode::pulses, 105, 21);
   s.power_w = 1000;
   s.gain_db = 30;
-  s.speckle = SpeckleKind::ground;
-  s.beam.pattern = BeamPattern::gaussian;
-  s.beam.width_deg = 3;
-  s.beam.extent_deg = 8;
   return s;
 }
 

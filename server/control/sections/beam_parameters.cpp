@@ -24,6 +24,7 @@ constexpr std::array kDopplerWindows{
     Choice{"blackman_harris", "BLACKMAN_HARRIS_DOPPLER_WINDOW"}};
 
 using enum ModbusWords;
+
 /// Sidelobes nearer to the main lobe than 13 dB need no taper; 60 dB both ways is below any converter.
 constexpr Limits kSidelobe_db = closed(13, 60);
 

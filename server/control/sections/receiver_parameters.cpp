@@ -7,6 +7,7 @@ namespace obliq {
 namespace {
 
 using enum ModbusWords;
+
 const std::array kParameters{
     parameter<&RadarSettings::receiver, &ReceiverSettings::noise>(
         "receiver.noise", "", kAny, "noise", {280, u16}, "Add the receiver's noise, k T B, to the bins.",

@@ -7,7 +7,6 @@
 #include "terrain/base/stage_clock.h"
 
 namespace obliq {
-namespace {}
 
 SweepSamples::SweepSamples(const ScenePlan& plan, AzimuthRange range)
     : plan_(plan),
