@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what the tests need, builds, runs every test. The last line is ctest's own summary.
 #
-#   tests/run.sh            everything (10 to 20 minutes on two cores, by how busy they are)
+#   tests/run.sh            everything (15 to 30 minutes on two cores, by how fast and busy they are)
 #   tests/run.sh --quick    without the tests labelled slow (two thirds of that)
 #
 # OBLIQ_SHARED=DIR points at extra elevation models; tests that need them are skipped without.
