@@ -18,7 +18,8 @@ constexpr double kGrazing_rad = 10 * kDegree_rad;
 /// Cross section of the wall, turned by phi from the line of sight (CornerTable).
 double cross_section_m2(const CornerTable& table, std::uint8_t wall, std::uint8_t ground, double phi_rad) {
   const double down = std::tan(kGrazing_rad);
-  const CornerSight sight = CornerSight::over_ground(std::cos(phi_rad), std::sin(phi_rad), down, 0, down);
+  const CornerSight sight =
+      CornerSight::over_ground(std::cos(phi_rad), std::sin(phi_rad), std::cos(kGrazing_rad), 0, down);
   const double area_m2 = kLength_m * std::cos(phi_rad) * std::min(kHeight_m / down, kLit_m);
   return table.reflectivity(wall, ground, sight.across) * table.lobe(ground, sight, {}) * area_m2;
 }

@@ -38,6 +38,7 @@ double CornerIntegral::cross_section_per_rad(const LitFoot& foot, double bearing
   const double out_x = e_x + 2 * across * foot.normal_x, out_z = e_z + 2 * across * foot.normal_z;
   const double foot_x = view_.antenna_m.x + foot.d_m * e_x, foot_z = view_.antenna_m.z + foot.d_m * e_z;
   const double down = -foot.h_m / foot.d_m;
+  const double level = 1 / std::sqrt(1 + down * down);
   double sum = 0;
   for (double before_m = step_m_ / 2; before_m < foot.lit_m; before_m += step_m_) {
     const double x = foot_x + before_m * out_x, z = foot_z + before_m * out_z;
@@ -52,7 +53,7 @@ double CornerIntegral::cross_section_per_rad(const LitFoot& foot, double bearing
     if (rise > 0) length_m = std::min(length_m, step_m_ / 2 + room_m / rise);
     length_m = std::min(length_m, foot.lit_m - (before_m - step_m_ / 2));
     if (!(length_m > 0)) break;
-    const CornerSight sight = CornerSight::over_ground(across, along, down, before, -h / foot.d_m);
+    const CornerSight sight = CornerSight::over_ground(across, along, level, before, -h / foot.d_m);
     const FootSlope of_wall{slope.per_x * foot.normal_x + slope.per_z * foot.normal_z,
                             slope.per_x * foot.normal_z - slope.per_z * foot.normal_x};
     const std::uint8_t ground = world_.material_of_cell(slope.i, slope.j);

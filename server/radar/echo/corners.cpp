@@ -36,7 +36,7 @@ CornerTable::CornerTable(const std::vector<Material>& materials, Polarisation po
   rows_.reserve(materials.size());
   for (const Material& material : materials) {
     const double slope = std::max(material.rms_slope, kLeastSlope);
-    rows_.push_back({1 / (2 * slope * slope), {material.permittivity_re, -material.permittivity_im}});
+    rows_.push_back({1 / (2 * slope * slope), 1 + kDark * 2 * slope * slope, {material.permittivity_re, -material.permittivity_im}});
     if (!material.used) continue;
     least_slope_ = std::min(least_slope_, slope);
     most = std::max(most, slope);
@@ -45,17 +45,8 @@ CornerTable::CornerTable(const std::vector<Material>& materials, Polarisation po
   greatest_along_ = widest * kSteepest < 1 ? (widest + kSteepest) / (1 - widest * kSteepest) : HUGE_VAL;
 }
 
-double CornerTable::lobe(std::uint8_t ground, const CornerSight& sight, const FootSlope& slope) const {
-  // q . n, times n's length.
-  const double along_normal = sight.up - slope.along * sight.along - slope.across * sight.lean;
-  if (!(along_normal > 0)) return 0;
-  const double length2 = 1 + slope.across * slope.across + slope.along * slope.along;
-  const double q2 = sight.along * sight.along + sight.up * sight.up + sight.lean * sight.lean;
-  const double tan2 = std::max(0.0, q2 * length2 / (along_normal * along_normal) - 1);
-  const double over_two_slope2 = rows_[ground].over_two_slope2;
-  const double fall = tan2 * over_two_slope2;
-  if (!(fall < kDark)) return 0;
-  return (1 + tan2) * (1 + tan2) * over_two_slope2 * exp_of_negative(-fall);
+double CornerTable::lobe_at(double tan2, double over_two_slope2) {
+  return (1 + tan2) * (1 + tan2) * over_two_slope2 * exp_of_negative(-tan2 * over_two_slope2);
 }
 
 double CornerTable::reflectivity(std::uint8_t wall, std::uint8_t ground, double across) const {

@@ -1,6 +1,7 @@
 #pragma once
 // Corners of wall and ground: a wall square to the line of sight and the ground before it throw the wave
 // back.
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -26,10 +27,10 @@ struct CornerSight {
   double lean = 0;
 
   /// Of ground `before` of the foot's distance in front of it, which the antenna's image lights over the
-  /// wall; down, down_there: tangents of the depression of the foot and, seen from its distance, of that
-  /// ground.
-  static CornerSight over_ground(double across, double along, double down, double before, double down_there) {
-    const double level = 1 / std::sqrt(1 + down * down);
+  /// wall; level: cosine of the foot's depression; down_there: tangent of that ground's, seen from the foot's
+  /// distance.
+  static CornerSight over_ground(double across, double along, double level, double before,
+                                 double down_there) {
     const double up = down_there * level;
     return {across * level, along * level * (1 + before), up, -across * level * before * up * up};
   }
@@ -62,7 +63,17 @@ class CornerTable {
 
   /// The part of sigma / A that depends on slopes: (1 + t^2)^2 exp(-t^2 / 2 s^2) / (2 s^2); 0 below 0.0025 of
   /// its peak, and where the ground shows its back.
-  double lobe(std::uint8_t ground, const CornerSight& sight, const FootSlope& slope) const;
+  double lobe(std::uint8_t ground, const CornerSight& sight, const FootSlope& slope) const {
+    // q . n, times n's length.
+    const double along_normal = sight.up - slope.along * sight.along - slope.across * sight.lean;
+    if (!(along_normal > 0)) return 0;
+    const double length2 = 1 + slope.across * slope.across + slope.along * slope.along;
+    const double q2 = sight.along * sight.along + sight.up * sight.up + sight.lean * sight.lean;
+    const Row& row = rows_[ground];
+    const double normal2 = along_normal * along_normal;
+    if (!(q2 * length2 < row.edge2 * normal2)) return 0;
+    return lobe_at(std::max(0.0, q2 * length2 / normal2 - 1), row.over_two_slope2);
+  }
   /// The other: 4 |Rw|^2 |Rg|^2. across: CornerSight's.
   double reflectivity(std::uint8_t wall, std::uint8_t ground, double across) const;
 
@@ -73,8 +84,10 @@ class CornerTable {
 
  private:
   static constexpr double kSteepest = 0.2;
+  static double lobe_at(double tan2, double over_two_slope2);
   struct Row {
     double over_two_slope2;
+    double edge2;  ///< 1 / cos^2 of the angle off the ground's normal where the lobe ends
     std::complex<double> permittivity;
   };
   std::vector<Row> rows_;

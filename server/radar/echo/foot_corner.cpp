@@ -84,6 +84,7 @@ double FootCorner::strip_sum(const WallPlane& wall, std::uint8_t material, doubl
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
   const double down = -ground_m / distance_m;
+  const double level = 1 / std::sqrt(1 + down * down);
   const double across = -(wall.normal_x * bearing_.sin + wall.normal_z * bearing_.cos);
   const double along = wall.normal_x * bearing_.cos - wall.normal_z * bearing_.sin;
   const double reach_m = std::min({4 * (roof_m - ground_m) / down, kFarthest_m, distance_m});
@@ -122,7 +123,7 @@ double FootCorner::strip_sum(const WallPlane& wall, std::uint8_t material, doubl
         last ? from_m + room_m(from_m) / (room_m(from_m) - room_m(lit_m)) * (lit_m - from_m) : lit_m;
     const double before = (from_m + to_m) / 2 / distance_m;
     const double down_there = -(at_middle_m + gain * (to_m - lit_m) / 2) / distance_m;
-    const CornerSight sight = CornerSight::over_ground(across, along, down, before, down_there);
+    const CornerSight sight = CornerSight::over_ground(across, along, level, before, down_there);
     const FootSlope of_wall{slope.per_x * wall.normal_x + slope.per_z * wall.normal_z,
                             slope.per_x * wall.normal_z - slope.per_z * wall.normal_x};
     // Rays spread on their way from the wall over the strip.

@@ -23,21 +23,14 @@ double upwind_factor(const SeaTable& table, double sine, double against) {
   return ratio_of_db(exponent * against / kNepersOfDecibel);
 }
 
-/// Place in the table of a sine of grazing from 2^-kOctaves to 1: a step, and how far on to the next.
-struct TablePlace {
-  std::int32_t step;
-  double rest;
-};
-TablePlace place_of(float sine) {
-  const auto bits = std::bit_cast<std::int32_t>(sine);
-  constexpr std::int32_t kWhole = 1 << SeaTable::kRestBits;
-  return {(bits - SeaTable::kLeastBits) >> SeaTable::kRestBits, (bits & (kWhole - 1)) * (1.0 / kWhole)};
+/// The step in the table of a sine of grazing from 2^-kOctaves to 1.
+std::int32_t step_of(float sine) {
+  return (std::bit_cast<std::int32_t>(sine) >> SeaTable::kRestBits) - SeaTable::kFirstStep;
 }
 
 void fill_gammas(const RadarSettings& s, SeaTable& table) {
   const double state = sea_state(s);
-  const auto gamma_at = [&](float of) {
-    const double sine = std::min(1.0, static_cast<double>(of));
+  const auto gamma_at = [&](double sine) {
     const double grazing = bearing_of(sine, std::sqrt(1 - sine * sine));
     const double within =
         std::clamp(grazing, kLeastSeaGrazing_deg * kDegree_rad, kMostSeaGrazing_deg * kDegree_rad);
@@ -46,14 +39,22 @@ void fill_gammas(const RadarSettings& s, SeaTable& table) {
     const double gamma = sigma0 / sincos_turns(within / (2 * std::numbers::pi)).sin;
     return table.upwind > 0 ? gamma / bessel_i0(upwind_exponent(grazing, s.frequency_ghz)) : gamma;
   };
-  for (int k = 0; k <= SeaTable::kSteps + 1; ++k)
-    table.gamma[k] =
-        static_cast<float>(gamma_at(std::bit_cast<float>(SeaTable::kLeastBits + (k << SeaTable::kRestBits))));
+  const auto sine_of = [](std::int32_t step) {
+    return static_cast<double>(std::bit_cast<float>((step + SeaTable::kFirstStep) << SeaTable::kRestBits));
+  };
   // The first line begins between two steps.
-  const TablePlace first = place_of(SeaTable::kLeastSine);
-  const double next = static_cast<double>(table.gamma[first.step + 1]);
-  table.gamma[first.step] =
-      static_cast<float>((gamma_at(SeaTable::kLeastSine) - first.rest * next) / (1 - first.rest));
+  double sine = static_cast<double>(SeaTable::kLeastSine);
+  double gamma = gamma_at(sine);
+  for (std::int32_t k = step_of(SeaTable::kLeastSine); k < SeaTable::kSteps; ++k) {
+    const double next_sine = sine_of(k + 1);
+    const double next = gamma_at(next_sine);
+    const double rise = (next - gamma) / (next_sine - sine);
+    table.offset[k] = static_cast<float>(gamma - rise * sine);
+    table.rise[k] = static_cast<float>(rise);
+    sine = next_sine;
+    gamma = next;
+  }
+  table.offset[SeaTable::kSteps] = static_cast<float>(gamma);
 }
 
 }  // namespace
@@ -128,9 +129,9 @@ double sea_over_gamma(const SeaTable& table, std::uint8_t material, double dx_m,
                       range_m;
   const auto least = static_cast<double>(SeaTable::kLeastSine);
   const auto at = static_cast<float>(sine > least ? std::min(sine, 1.0) : least);
-  const TablePlace place = place_of(at);
-  const auto low = static_cast<double>(table.gamma[place.step]);
-  const double factor = over * (low + place.rest * (static_cast<double>(table.gamma[place.step + 1]) - low));
+  const std::int32_t step = step_of(at);
+  const double factor = over * (static_cast<double>(table.offset[step]) +
+                                static_cast<double>(table.rise[step]) * static_cast<double>(at));
   const double distance_m = std::sqrt(dx_m * dx_m + dz_m * dz_m);
   if (!(table.upwind > 0) || !(distance_m > 0)) return factor;
   const double s = std::min(static_cast<double>(at), static_cast<double>(table.most_upwind_sine));

@@ -23,23 +23,46 @@ std::optional<double> roof_above(const Buildings& buildings, const glm::dvec3& p
   return highest;
 }
 
+namespace {
+
+/// The ends of a wall on a map, from a point.
+struct WallEnds {
+  glm::dvec2 a, b;
+  glm::dvec2 along;
+  double length2;
+
+  WallEnds(const Buildings& all, std::uint32_t building, std::uint32_t wall, double x_m, double z_m) {
+    const WallEdge edge = edge_of_wall(all, building, wall);
+    const glm::dvec2 from(x_m, z_m);
+    a = glm::dvec2(all.ring_xz_m[edge.from]) - from;
+    b = glm::dvec2(all.ring_xz_m[edge.to]) - from;
+    along = b - a;
+    length2 = along.x * along.x + along.y * along.y;
+  }
+  WallLine line() const {
+    const double length = std::sqrt(length2);
+    // The solid lies on the left of a -> b on a map, so (dz, -dx) points out of it.
+    return {(a.y * along.x - a.x * along.y) / length, along.y / length, -along.x / length};
+  }
+};
+
+}  // namespace
+
+WallLine wall_line(const Buildings& all, std::uint32_t building, std::uint32_t wall, double x_m, double z_m) {
+  const WallEnds ends(all, building, wall, x_m, z_m);
+  return ends.length2 > 0 ? ends.line() : WallLine{};
+}
+
 WallPlane wall_plane(const Buildings& all, std::uint32_t building, std::uint32_t wall, double x_m,
                      double z_m) {
-  const WallEdge edge = edge_of_wall(all, building, wall);
-  const glm::dvec2 antenna(x_m, z_m);
-  const glm::dvec2 a = glm::dvec2(all.ring_xz_m[edge.from]) - antenna;
-  const glm::dvec2 b = glm::dvec2(all.ring_xz_m[edge.to]) - antenna;
-  const glm::dvec2 along = b - a;
-  const double length2 = along.x * along.x + along.y * along.y;
-  if (!(length2 > 0)) return {0, 0, 0, 0, 0};
-  const double length = std::sqrt(length2);
-  // The solid lies on the left of a -> b on a map, so (dz, -dx) points out of it.
-  const double distance = (a.y * along.x - a.x * along.y) / length;
+  const WallEnds ends(all, building, wall, x_m, z_m);
+  if (!(ends.length2 > 0)) return {};
+  const auto& [a, b, along, length2] = ends;
+  const WallLine line = ends.line();
   const double to_a = std::sqrt(a.x * a.x + a.y * a.y);
   const double to_b = std::sqrt(b.x * b.x + b.y * b.y);
   const double foot = -(a.x * along.x + a.y * along.y);
-  return {distance, along.y / length, -along.x / length,
-          std::min({foot > 0 && foot < length2 ? std::abs(distance) : to_a, to_a, to_b}),
+  return {line, std::min({foot > 0 && foot < length2 ? std::abs(line.distance_m) : to_a, to_a, to_b}),
           std::max(to_a, to_b)};
 }
 

@@ -20,12 +20,18 @@ struct RoofSpan {
   std::uint32_t wall;  ///< face through which the profile enters at near_m; kNoFace: none
 };
 
-/// The plane of a wall, from a point: how far off it is (negative behind it), its unit normal outwards, and
-/// the ground distances of its nearest and its farthest point.
-struct WallPlane {
+/// The line of a wall on a map, from a point: how far off it is (negative behind it) and its unit normal
+/// outwards.
+struct WallLine {
   double distance_m;
   double normal_x;
   double normal_z;
+};
+WallLine wall_line(const Buildings& buildings, std::uint32_t building, std::uint32_t wall, double x_m,
+                   double z_m);
+
+/// And the ground distances of its nearest and its farthest point.
+struct WallPlane : WallLine {
   double nearest_m;
   double farthest_m;
 };

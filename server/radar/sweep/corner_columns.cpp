@@ -21,6 +21,7 @@ void CornerView::see(const Columns& columns, const ConvexShape& part, int e, con
   const SubColumns& all = columns.all;
   const auto left = static_cast<double>(all.left);
   const auto width = static_cast<double>(all.width);
+  const double per_width = 1 / width;
   const auto t0 = static_cast<double>(part.tangent[e]);
   const auto t1 = static_cast<double>(part.tangent[e + 1]);
   const double from = std::max(std::min(t0, t1), left);
@@ -29,39 +30,42 @@ void CornerView::see(const Columns& columns, const ConvexShape& part, int e, con
   // The lobe is narrow: by corners in double.
   const World& world = plan_.scene().world();
   const glm::dvec3& antenna = plan_.sector().antenna_m;
-  const WallPlane plane = wall_plane(world.buildings, wall.building, wall.face, antenna.x, antenna.z);
+  const WallLine line = wall_line(world.buildings, wall.building, wall.face, antenna.x, antenna.z);
   const SinCos& centre = columns.centre;
-  // Ground distance of the wall's plane, kept between its ends.
-  const auto distance_at = [&](double tangent) {
-    const double secant = std::sqrt(1 + tangent * tangent);
-    const double slope = plane.normal_x * (centre.sin + tangent * centre.cos) +
-                         plane.normal_z * (centre.cos - tangent * centre.sin);
-    return std::clamp(-plane.distance_m / slope * secant, plane.nearest_m, plane.farthest_m);
+  const double across = line.normal_x * centre.sin + line.normal_z * centre.cos;
+  const double along = line.normal_x * centre.cos - line.normal_z * centre.sin;
+  const auto secant_of = [](double tangent) { return std::sqrt(1 + tangent * tangent); };
+  // How far ahead the wall stands, kept between its ends.
+  const auto [nearest, farthest] = std::minmax(part.ahead_m[e], part.ahead_m[e + 1]);
+  const auto near_m = static_cast<double>(nearest), far_m = static_cast<double>(farthest);
+  const auto ahead_at = [&](double tangent) {
+    return std::clamp(-line.distance_m / (across + tangent * along), near_m, far_m);
   };
   const double tangent = (from + to) / 2;
-  const double secant = std::sqrt(1 + tangent * tangent);
+  const double secant = secant_of(tangent);
+  const double cosine = 1 / secant;
   Foot foot{};
   foot.building = wall.building;
   foot.face = wall.face;
   foot.material = wall.material;
-  foot.normal_x = plane.normal_x;
-  foot.normal_z = plane.normal_z;
-  foot.bearing = {(centre.sin + tangent * centre.cos) / secant, (centre.cos - tangent * centre.sin) / secant};
-  foot.width_rad = (to - from) / width * static_cast<double>(all.width_rad);
-  foot.distance_m = distance_at(tangent);
+  foot.normal_x = line.normal_x;
+  foot.normal_z = line.normal_z;
+  foot.bearing = {(centre.sin + tangent * centre.cos) * cosine, (centre.cos - tangent * centre.sin) * cosine};
+  foot.width_rad = (to - from) * per_width * static_cast<double>(all.width_rad);
+  foot.distance_m = ahead_at(tangent) * secant;
   const double ground_y_m = world.grid.height_at_m(antenna.x + foot.distance_m * foot.bearing.sin,
                                                    antenna.z + foot.distance_m * foot.bearing.cos);
   if (std::isnan(ground_y_m)) return;
   foot.ground_m = std::max(ground_y_m - antenna.y, static_cast<double>(part.base_m));
   foot.roof_m = static_cast<double>(part.roof_m);
   const auto column_of = [&](double t) {
-    return std::clamp(static_cast<int>((t - left) / width), 0, all.n - 1);
+    return std::clamp(static_cast<int>((t - left) * per_width), 0, all.n - 1);
   };
   foot.plane = plane_of(column_of(tangent), all.nodes.planes, all.n);
   const auto [least, greatest] =
       std::minmax_element(all.shades + column_of(from), all.shades + column_of(to) + 1);
   if (-static_cast<double>(*least) * foot.distance_m <= -foot.ground_m || !begin(foot, all.nodes)) return;
-  spread(distance_at(from), distance_at(to));
+  spread(ahead_at(from) * secant_of(from), ahead_at(to) * secant_of(to));
   if (is_whole(static_cast<double>(*greatest))) return light(0, 1, static_cast<double>(*greatest));
   // Neighbours that leave all of the light are one stretch.
   const int last = column_of(to);

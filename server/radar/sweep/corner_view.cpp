@@ -22,18 +22,18 @@ constexpr double kMostSteps = 64;
 }  // namespace
 
 bool CornerView::begin(const Foot& foot, const NodeProfiles& nodes) {
-  const double down = -foot.ground_m / foot.distance_m;  // tangent of the depression
+  const double down = -foot.ground_m / foot.distance_m;
   const double across = -(foot.normal_x * foot.bearing.sin + foot.normal_z * foot.bearing.cos);
   const double along = foot.normal_x * foot.bearing.cos - foot.normal_z * foot.bearing.sin;
   if (!(down > 0 && foot.roof_m > foot.ground_m && across > 0)) return false;
   ask(kAFoot);
   foot_ = foot;
-  if (!lay_strip(down, across, along)) return false;
-  end_m_ = terrain_lit_m(nodes, pieces_[n_pieces_ - 1].to_m);
-  if (!(end_m_ > 0)) return false;
   down_ = down;
-  across_ = across / std::sqrt(1 + down * down);
-  return true;
+  level_ = 1 / std::sqrt(1 + down * down);
+  across_ = across * level_;
+  if (!lay_strip(across, along)) return false;
+  end_m_ = terrain_lit_m(nodes, pieces_[n_pieces_ - 1].to_m);
+  return end_m_ > 0;
 }
 
 void CornerView::spread(double left_m, double right_m) {
@@ -47,7 +47,7 @@ void CornerView::spread(double left_m, double right_m) {
 
 /// The ground that takes part lies before the foot in the direction that the wall mirrors: pieces of a cell
 /// or of a share of the strip that level ground would give. False: all dark.
-bool CornerView::lay_strip(double down, double across, double along) {
+bool CornerView::lay_strip(double across, double along) {
   const World& world = plan_.scene().world();
   const HeightGrid& grid = world.grid;
   const glm::dvec3& antenna = plan_.sector().antenna_m;
@@ -55,8 +55,9 @@ bool CornerView::lay_strip(double down, double across, double along) {
   const double foot_z = antenna.z + foot_.distance_m * foot_.bearing.cos;
   const double mirrored_x = 2 * across * foot_.normal_x + foot_.bearing.sin;
   const double mirrored_z = 2 * across * foot_.normal_z + foot_.bearing.cos;
-  const double level_m = (foot_.roof_m - foot_.ground_m) / down;
+  const double level_m = (foot_.roof_m - foot_.ground_m) / down_;
   const double piece_m = std::max(level_m / kMostPieces, std::min(level_m, grid.cell_m));
+  const double per_m = 1 / foot_.distance_m;
   bool any = false;
   n_pieces_ = 0;
   for (double from_m = 0; n_pieces_ < 2 * kMostPieces; from_m += piece_m) {
@@ -72,20 +73,23 @@ bool CornerView::lay_strip(double down, double across, double along) {
     if (n_pieces_ == 0) rise_ = rise;
     const double h = under.y_m - antenna.y;
     // The ray to the antenna's image meets the wall below the roof.
-    const double room_m = foot_.roof_m * (1 + from_m / foot_.distance_m) - (h - gain * piece_m / 2);
-    const double closing = gain - foot_.roof_m / foot_.distance_m;
+    const double room_m = foot_.roof_m * (1 + from_m * per_m) - (h - gain * piece_m / 2);
+    const double closing = gain - foot_.roof_m * per_m;
     const double length_m = closing > 0 ? std::min(piece_m, room_m / closing) : piece_m;
-    if (!(length_m > 0 && down + rise > 0)) break;
-    const double before = (from_m + length_m / 2) / foot_.distance_m;
-    const double down_there = -(h + gain * (length_m - piece_m) / 2) / foot_.distance_m;
+    if (!(length_m > 0 && down_ + rise > 0)) break;
+    const double before = (from_m + length_m / 2) * per_m;
+    const double down_there = -(h + gain * (length_m - piece_m) / 2) * per_m;
     const std::uint8_t ground = world.material_of_cell(under.i, under.j);
     const double lobe =
-        mean_lobe(ground, CornerSight::over_ground(across, along, down, before, down_there), slope);
-    any = any || lobe > 0;
-    // Rays spread on their way from the wall over the strip.
-    const double area_a_metre = foot_.width_rad * foot_.distance_m * (1 + before) *
-                                std::sqrt(1 + slope.across * slope.across + slope.along * slope.along);
-    pieces_[n_pieces_++] = {from_m, from_m + length_m, lobe * area_a_metre, ground};
+        mean_lobe(ground, CornerSight::over_ground(across, along, level_, before, down_there), slope);
+    double weight = 0;
+    if (lobe > 0) {
+      any = true;
+      // Rays spread on their way from the wall over the strip.
+      weight = lobe * foot_.width_rad * foot_.distance_m * (1 + before) *
+               std::sqrt(1 + slope.across * slope.across + slope.along * slope.along);
+    }
+    pieces_[n_pieces_++] = {from_m, from_m + length_m, weight, ground};
     if (length_m < piece_m) break;
   }
   return any;

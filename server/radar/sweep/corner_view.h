@@ -88,7 +88,7 @@ class CornerView {
       return static_cast<std::uint64_t>(face) << 32 | static_cast<std::uint32_t>(range_bin);
     }
   };
-  bool lay_strip(double down, double across, double along);
+  bool lay_strip(double across, double along);
   double terrain_lit_m(const NodeProfiles& nodes, double most_m) const;
   double mean_lobe(std::uint8_t ground, const CornerSight& sight, const FootSlope& slope) const;
   void share_out(double from, double to, std::uint8_t ground, double weight);
@@ -97,7 +97,8 @@ class CornerView {
   const CornerTable* table_;
   // Of the current foot.
   Foot foot_{};
-  double down_ = 0, rise_ = 0, across_ = 0;
+  double down_ = 0, level_ = 0;  // tangent and cosine of its depression
+  double rise_ = 0, across_ = 0;
   double end_m_ = 0;  // of the ground's own light before it
   double left_bin_ = 0, right_bin_ = 0;
   Piece pieces_[2 * kMostPieces];

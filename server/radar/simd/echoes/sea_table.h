@@ -8,17 +8,19 @@
 namespace obliq {
 
 /// What a piece of water returns over what its material says, by its grazing angle and its bearing against
-/// the wind. Steps are even in the bits of a float: 64 an octave, between which lines run.
+/// the wind. Steps are even in the bits of a float: 64 an octave, each with its line.
 struct SeaTable {
   static constexpr int kLog2StepsAnOctave = 6;
   static constexpr int kOctaves = 10;
   static constexpr int kSteps = kOctaves << kLog2StepsAnOctave;
   static constexpr float kLeastSine = 0.00174532837F;  ///< 0.1 degrees: the model's least grazing
-  static constexpr std::int32_t kLeastBits = (127 - kOctaves) << 23;
   static constexpr int kRestBits = 23 - kLog2StepsAnOctave;
+  static constexpr std::int32_t kFirstStep = (127 - kOctaves) << kLog2StepsAnOctave;
 
-  float
-      gamma[kSteps + 2];  ///< sigma0 / sin(grazing), linear; of wind from nowhere, or its mean over bearings
+  /// sigma0 / sin(grazing), linear, is offset + rise sin(grazing), each of the step that the bits of the sine
+  /// begin with, from kFirstStep on; of wind from nowhere, or its mean over bearings.
+  float offset[kSteps + 1];
+  float rise[kSteps + 1];
   /// Its factor is exp(upwind (1 - 2.8 grazing) cos(bearing against the wind)), grazing as far as the model
   /// goes (sea_clutter.h); 0 without wind.
   float upwind;
@@ -49,12 +51,10 @@ OBLIQ_LANES Lanes<T, n> sea_gamma(const SeaTable& table, Lanes<T, n> sine, const
   const Lanes<T, n> least = Lanes<T, n>{} + SeaTable::kLeastSine;
   // Of a NaN the least. A piece's mean sine, from its ends, may be above 1 on a slope below the antenna.
   const Lanes<T, n> at = min(max(least, sine), Lanes<T, n>{} + 1.0F);
-  const auto bits = OBLIQ_ISA::bits_as<std::int32_t>(at);
-  const auto k = (bits - SeaTable::kLeastBits) >> SeaTable::kRestBits;
-  const auto rest =
-      converted<float>(bits & ((1 << SeaTable::kRestBits) - 1)) * (1.0F / (1 << SeaTable::kRestBits));
-  const Pairs<Lanes<T, n>> beside = gather_pairs(table.gamma, k, wanted, window);
-  const Lanes<T, n> gamma = beside.first + rest * (beside.second - beside.first);
+  const auto step = OBLIQ_ISA::bits_as<std::int32_t>(at) >> SeaTable::kRestBits;
+  const Pairs<Lanes<T, n>> line =
+      gather_both(table.offset, table.rise, SeaTable::kFirstStep, step, wanted, window);
+  const Lanes<T, n> gamma = line.first + line.second * at;
   if (!(table.upwind > 0)) return gamma;
   const Lanes<T, n> s = min(at, Lanes<T, n>{} + table.most_upwind_sine);
   const auto term = [&](int power) __attribute__((always_inline)) {

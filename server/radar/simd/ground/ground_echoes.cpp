@@ -78,17 +78,17 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
                 cross_section_of(table, high_half(material), high_half(sec2)));
 }
 
-/// Gamma of water in the lanes in `seen`; 1 of other ground. (d2, h2): the sum of a piece's ends; over_range:
-/// 1 over its range.
+/// Light of the lanes in `seen`, times the gamma of those that are water. (d2, h2): the sum of a piece's ends;
+/// over_range2: and of 1 over their ranges.
 template <int n>
-OBLIQ_INLINE Floats<n> sea_gain(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> d2,
-                                Floats<n> h2, Floats<n> over_range, TableWindow& window) {
+OBLIQ_INLINE Floats<n> with_sea(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> light,
+                                Floats<n> d2, Floats<n> h2, Floats<n> over_range2, TableWindow& window) {
   const Where<n> water = seen & parts.water;
-  if (!any(water)) return in_all<n>(1.0F);
+  if (!any(water)) return light;
   const Floats<n> fall2 =
       d2 * (load_as<Floats<n>>(cut.sea_lean) + load_as<Floats<n>>(cut.half_sea_curve) * d2) - h2;
-  const Floats<n> gamma = sea_gamma(*cut.echo.sea, 0.5F * over_range * fall2, cut.upwind, water, window);
-  return select(water, gamma, in_all<n>(1.0F));
+  const Floats<n> gamma = sea_gamma(*cut.echo.sea, 0.25F * (over_range2 * fall2), cut.upwind, water, window);
+  return select(water, light * gamma, light);
 }
 
 /// Adds the parts of the profiles in `wanted`, whose range rises or falls all along. False: the list is full;
@@ -200,7 +200,7 @@ OBLIQ_INLINE bool add(const GroundCut& cut, Parts<n>& parts, Where<n>& wanted, R
         put<kSines>(ended, now, out);
       // Behind what decides which bin is on the way, so that nothing waits for it.
       if (cut.echo.sea != nullptr)
-        light *= sea_gain<n>(cut, parts, has, d0 + d1, h0 + h1, 0.5F * over2 * (r0 + r1), sea);
+        light = with_sea<n>(cut, parts, has, light, d0 + d1, h0 + h1, over2 * (r0 + r1), sea);
       if constexpr (kSines)
         now.sine = select(same, now.sine + light * sine, select(fresh, light * sine, now.sine));
       now.light = select(same, now.light + light, select(fresh, light, now.light));
@@ -244,7 +244,7 @@ OBLIQ_INLINE bool add_rows(const GroundCut& cut, SegmentRows& a, SegmentRows& b,
   using Float = Floats<n>;
   Running<n> now(out);
   Labels labels(stretches);
-  TableWindow sea;
+  TableWindow sea{SeaTable::kFirstStep};
   bool room = true;
   for (; a.first < a.end || b.first < b.end; ++a.first, ++b.first) {
     if (labels.is_full()) {

@@ -6,9 +6,9 @@ namespace obliq {
 
 #if defined(OBLIQ_ISA)
 
-/// Places of a table from `first` on, as many as a register has lanes.
+/// Places of two tables from `first` on, as many as a register has lanes.
 struct TableWindow {
-  std::int32_t first = 0;
+  std::int32_t first;
 };
 
 /// from[first + at] of one register of lanes, at from 0 to below their number; of other lanes anything.
@@ -24,11 +24,12 @@ OBLIQ_LANES Lanes<float, n> permuted(const float* from, Lanes<T, n> at) {
   return gather(from, at);
 }
 
-/// from[at] and from[at + 1] of the lanes in `wanted`, at from 0 on; of other lanes anything. The window
-/// follows what is wanted.
+/// What two tables that begin at place `origin` have at places `at`, for the lanes in `wanted`; of other lanes
+/// anything. The window, first at `origin`, follows what is wanted.
 template <int n>
-OBLIQ_INLINE Pairs<Lanes<float, n>> gather_pairs(const float* from, Lanes<std::int32_t, n> at,
-                                                 Lanes<MaskOf<float>, n> wanted, TableWindow& window) {
+OBLIQ_INLINE Pairs<Lanes<float, n>> gather_both(const float* one, const float* other, std::int32_t origin,
+                                                Lanes<std::int32_t, n> at, Lanes<MaskOf<float>, n> wanted,
+                                                TableWindow& window) {
   constexpr int kMost = OBLIQ_ISA::kRegisterBytes / static_cast<int>(sizeof(float));
   constexpr int kWindow = n < kMost ? n : kMost;
   if constexpr (kWindow >= 8) {
@@ -40,20 +41,22 @@ OBLIQ_INLINE Pairs<Lanes<float, n>> gather_pairs(const float* from, Lanes<std::i
     if (beside) {
       const Lanes<float, n> places = select(wanted, converted<float>(at), Lanes<float, n>{});
       const auto last = static_cast<std::int32_t>(greatest_of(places));
-      window.first = last < kWindow ? 0 : last - (kWindow - 1);
+      window.first = last < origin + kWindow ? origin : last - (kWindow - 1);
       beside = is_beside();
     }
-    if (!beside) {
-      const float* const here = from + window.first;
+    if (!beside) [[likely]] {
       const auto in = at - window.first;
-      if constexpr (n == kWindow)
-        return {permuted(here, in), permuted(here + 1, in)};
-      else
-        return {joined(permuted(here, low_half(in)), permuted(here, high_half(in))),
-                joined(permuted(here + 1, low_half(in)), permuted(here + 1, high_half(in)))};
+      const auto of = [&](const float* table) __attribute__((always_inline)) {
+        const float* const here = table + (window.first - origin);
+        if constexpr (n == kWindow)
+          return permuted(here, in);
+        else
+          return joined(permuted(here, low_half(in)), permuted(here, high_half(in)));
+      };
+      return {of(one), of(other)};
     }
   }
-  return {gather(from, at), gather(from + 1, at)};
+  return {gather(one, at - origin), gather(other, at - origin)};
 }
 
 #endif

@@ -81,7 +81,8 @@ double by_factors(const TableRow& row, double phi_rad, double lit_m) {
                           row.vertical ? Polarisation::vertical : Polarisation::horizontal);
   const double down = std::tan(row.grazing_deg * kPi / 180);
   if (std::cos(phi_rad) <= 0) return 0;
-  const CornerSight sight = CornerSight::over_ground(std::cos(phi_rad), std::sin(phi_rad), down, 0, down);
+  const double level = std::cos(row.grazing_deg * kPi / 180);
+  const CornerSight sight = CornerSight::over_ground(std::cos(phi_rad), std::sin(phi_rad), level, 0, down);
   return table.reflectivity(1, 0, sight.across) * table.lobe(0, sight, {}) * test::kLength_m *
          std::cos(phi_rad) * std::min(test::kHeight_m / down, lit_m);
 }
