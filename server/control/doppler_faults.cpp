@@ -9,6 +9,8 @@
 #include "server/radar/beam/sub_bins.h"
 #include "server/radar/doppler/doppler_response.h"
 #include "server/radar/doppler/ground_doppler.h"
+#include "server/radar/doppler/sea_motion.h"
+#include "server/radar/sea_state.h"
 #include "terrain/base/units.h"
 
 namespace obliq {
@@ -47,10 +49,12 @@ void check_image(const RadarSettings& s, std::vector<FieldError>& errors) {
   const std::string bins = std::to_string(s.azimuth_bins);
   const int parts = azimuth_sub_bins(s);
   const double row_rad = s.azimuth_bin_rad() / parts;
-  const double halo = std::ceil(DopplerResponse::kSarCells * s.doppler.resolution_m / s.r_min_m / row_rad);
+  const double sea_rad = sea_state(s) > 0 ? kMostSeaSmear.reach_rad() : 0;
+  const double cells_rad = DopplerResponse::kSarCells * s.doppler.resolution_m / s.r_min_m;
+  const double halo = std::ceil((cells_rad + sea_rad) / row_rad);
   if (const double rows = static_cast<double>(s.azimuth_bins) * parts + 2 * halo; rows > kMostRows) {
     const double room = (kMostRows - static_cast<double>(s.azimuth_bins) * parts) / 2;
-    const double most_m = room * row_rad * s.r_min_m / DopplerResponse::kSarCells;
+    const double most_m = (room * row_rad - sea_rad) * s.r_min_m / DopplerResponse::kSarCells;
     errors.push_back({"doppler.resolution_m",
                       toml_number(s.doppler.resolution_m) +
                           " in radar.sector_deg = " + toml_number(s.sector_deg) +

@@ -167,22 +167,26 @@ ReportRow image_row(const FramePlan& plan) {
   const SeaMotion sea(s);
   const DopplerPlan& doppler = *plan.sum()->doppler;
   const double middle_m = (s.r_min_m + s.r_max_m) / 2;
-  return {
-      "sar",
-      text_of(values("resolution_m"_is = s.doppler.resolution_m,
-                     "speed_m_s"_is = doppler.velocity().across_m_s(0),
-                     "time_s"_is = doppler.turns_a_hz(middle_m), "range_km"_is = middle_m / 1000,
-                     "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0),
-                     "prf_hz"_is = s.pulse.prf_hz,
-                     "smear_m"_is = sea.deviation_m_s * middle_m / doppler.velocity().across_m_s(0),
-                     "pulses"_is = doppler.turns_a_hz(middle_m) * s.pulse.prf_hz),
-              {{"sar", true,
-                "{resolution_m:3} m across range: {time_s:.2f} s of flight at {speed_m_s:.1f} m/s, an "
-                "aperture of {length_m:.0f} m at {range_km:.1f} km; of its {pulses:.0f} pulses at "
-                "{prf_hz:6} Hz the "
-                "noise is added up. "},
-               {"sar", has_sea(s, plan.scene().materials()),
-                "The sea stands still in it; a real image smears it over {smear_m:.0f} m either way. "}})};
+  return {"sar",
+          text_of(values("resolution_m"_is = s.doppler.resolution_m,
+                         "speed_m_s"_is = doppler.velocity().across_m_s(0),
+                         "time_s"_is = doppler.turns_a_hz(middle_m), "range_km"_is = middle_m / 1000,
+                         "length_m"_is = doppler.turns_a_hz(middle_m) * doppler.velocity().across_m_s(0),
+                         "prf_hz"_is = s.pulse.prf_hz, "sea_m_s"_is = sea.downwind_m_s,
+                         "sea_deviation_m_s"_is = sea.deviation_m_s,
+                         "smear_m"_is = std::min(kMostSeaSmear.spread_rad,
+                                                 sea.deviation_m_s / doppler.velocity().across_m_s(0)) *
+                                        middle_m,
+                         "pulses"_is = doppler.turns_a_hz(middle_m) * s.pulse.prf_hz),
+                  {{"sar", true,
+                    "{resolution_m:3} m across range: {time_s:.2f} s of flight at {speed_m_s:.1f} m/s, an "
+                    "aperture of {length_m:.0f} m at {range_km:.1f} km; of its {pulses:.0f} pulses at "
+                    "{prf_hz:6} Hz the "
+                    "noise is added up. "},
+                   {"sar", doppler.has_sea(),
+                    "The sea is smeared over {smear_m:.0f} m either way, {sea_deviation_m_s:.2f} m/s; upwind "
+                    "it closes at "
+                    "{sea_m_s:.2f} m/s. "}})};
 }
 
 ReportRow train_row(const FramePlan& plan) {

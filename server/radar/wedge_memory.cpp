@@ -22,10 +22,7 @@ constexpr std::int64_t kBytesOfBatches = 2'500'000;
 
 }  // namespace
 
-bool may_need_materials(const RadarSettings& s) {
-  return (s.mode == RadarMode::mti || s.mode == RadarMode::dbs || s.mode == RadarMode::pulses) &&
-         sea_state(s) > 0;
-}
+bool may_need_materials(const RadarSettings& s) { return uses_doppler(s) && sea_state(s) > 0; }
 
 std::int64_t wedge_bytes(const RadarSettings& s, int label_materials) {
   const std::int64_t of_labels =

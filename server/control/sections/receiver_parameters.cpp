@@ -88,7 +88,7 @@ const std::array kParameters{
     parameter<&RadarSettings::sea, &SeaSettings::state>(
         "sea.state", "", closed(0, 6), "sea_state", {349, u16, 1e2},
         "Sea state of all water (materials of model \"sea\"), by the NRL model of mean sea clutter; 0: water "
-        "returns what its material says. With a state it moves, in modes mti, dbs and pulses. "
+        "returns what its material says. With a state it moves, in all modes but map. "
         "\"auto\" in a scene file is sea.state_auto.",
         {.knob = "sea state"}),
     parameter<&RadarSettings::sea, &SeaSettings::state_auto>(

@@ -12,7 +12,7 @@
 #include "server/radar/beam/echo_sums.h"
 #include "server/radar/beam/point_response.h"
 #include "server/radar/beam/sub_bins.h"
-#include "server/radar/doppler/doppler_response.h"
+#include "server/radar/doppler/doppler_plan.h"
 #include "server/radar/sea_state.h"
 #include "terrain/base/asking.h"
 #include "terrain/base/units.h"
@@ -183,7 +183,8 @@ EchoLayout lay_out_echo(const RadarSettings& s, const AzimuthPattern& pattern, c
   const Halo beam(s, layout, pattern);
   if (s.mode == RadarMode::sar) {
     const double cell_rad = s.doppler.resolution_m / layout.r_min_m;
-    layout.reach = counted(std::ceil(DopplerResponse::kSarCells * cell_rad / layout.azimuth_rad));
+    const double reach_rad = DopplerResponse::kSarCells * cell_rad + place.sea.smear.reach_rad();
+    layout.reach = counted(std::ceil(reach_rad / layout.azimuth_rad));
   }
   if (has_beam(s)) {
     const double cosine = least_cosine(place, layout.r_min_m);
@@ -268,6 +269,8 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
   const bool rolls = !s.beam.stabilised;
   EchoPlace place{kHigh.height_m, kHigh.least_r_min_m, rolls ? kLeaning : AntennaAxes()};
   place.velocity.right_m_s = kFast_m_s;
+  const bool smears_sea = s.mode == RadarMode::sar && sea_state(s) > 0;
+  if (smears_sea) place.sea.smear = kMostSeaSmear;
   const EchoLayout layout = lay_out_echo(s, AzimuthPattern(s), place);
   EchoSize size;
   size.sharp = ground_frame(s, layout);
@@ -305,14 +308,21 @@ EchoSize echo_size(const RadarSettings& s, std::int64_t threads, int label_mater
     // DopplerRows: Doppler, I&Q and powers of the current rows; of the sea (SeaPart) as many again.
     // DopplerPlan, polynomials of a canceller.
     const std::int64_t kRowFloats = sea_state(s) > 0 ? 20 : 8;
-    const std::int64_t n_tables = sea_state(s) > 0 ? 3 : 1;  // of responses (SpreadResponse)
+    const std::int64_t kinds = sea_state(s) > 0 ? 3 : 1;
+    // Of responses (SpreadResponse).
+    const SharpRanges ranges{layout.r_min_m, layout.range_m, static_cast<int>(layout.stride())};
+    const std::int64_t n_tables = smears_sea ? 1 + 2 * std::int64_t{most_sea_responses(ranges)} : kinds;
     constexpr std::int64_t kSpanBytes = sizeof(CellSpan);
-    const std::int64_t cells = std::max(static_cast<int>(DopplerResponse::kSarCells), s.doppler.pulses);
+    const int sar_cells = counted(
+        std::ceil(DopplerResponse::kSarCells +
+                  place.sea.smear.spread_rad * ranges.middle_m(ranges.n - 1) / s.doppler.resolution_m));
+    const std::int64_t cells = std::max(sar_cells, s.doppler.pulses);
     size.sums_bytes += (size.n_taps + kWedgeAzimuthBins * (layout.azimuth_parts + 2)) *
-                       (kRowFloats * kFloat * layout.stride() + 650 + n_tables * kSpanBytes * size.n_tiles);
+                       (kRowFloats * kFloat * layout.stride() + 650 + kinds * kSpanBytes * size.n_tiles);
     size.plan_bytes += 4 * size.n_kernels * std::int64_t{layout.kernel_length()} * kFloat + kPage +
                        grown_bytes(layout.stride(), sizeof(double)) +
                        2 * grown_bytes(layout.stride(), kFloat) + grown_bytes(size.n_tiles, kSpanBytes) +
+                       grown_bytes(size.n_tiles, sizeof(std::size_t)) +
                        n_tables * (grown_bytes(DopplerResponse::n_steps(cells), kFloat) +
                                    grown_bytes(DopplerResponse::n_terms(cells), kFloat));
   }

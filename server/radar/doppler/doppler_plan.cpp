@@ -9,6 +9,22 @@
 #include "terrain/base/units.h"
 
 namespace obliq {
+namespace {
+
+/// By so much the sea's spectrum widens from one response to the next: its power stays the same.
+constexpr double kSeaStep = 1.05, kSeaStepCells = 0.03;
+
+double span_middle_m(const SharpRanges& ranges, int span) {
+  return ranges.middle_m(span * CellSpan::kBins + CellSpan::kBins / 2);
+}
+
+}  // namespace
+
+int most_sea_responses(const SharpRanges& ranges) {
+  const int spans = ranges.n / CellSpan::kBins;
+  const double ratio = span_middle_m(ranges, spans - 1) / span_middle_m(ranges, 0);
+  return std::min(spans, 2 + static_cast<int>(std::log(ratio) / std::log(kSeaStep)));
+}
 
 DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& velocity,
                          const SharpRanges& ranges, double turn_rad, double above_ground_m,
@@ -34,11 +50,6 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
   if (has_sea()) {
     sea_doppler_ = {sea_.velocity, wavelength_at(settings.frequency_ghz)};
     sea_residue_ = obliq::sea_residue(settings);
-    const double deviation_hz = SeaMotion(settings).deviation_hz(wavelength_at(settings.frequency_ghz));
-    if (mode_ == RadarMode::dbs)
-      sea_response_.emplace(settings.doppler, deviation_hz * train_s_,
-                            cells_in_beam(settings, sea_.beam_rad,
-                                          velocity.most_across_m_s(settings.sector_deg * kDegree_rad)));
   }
   // psi is that of the sector's centre.
   if (mode_ == RadarMode::sar) sar_s_a_m_ = aperture_s_a_m(settings, velocity.across_m_s(0));
@@ -47,7 +58,40 @@ DopplerPlan::DopplerPlan(const RadarSettings& settings, const SectorVelocity& ve
     turns_a_hz_.push_back(turns_a_hz(ranges.middle_m(bin)));
     level_sine_.push_back(static_cast<float>(level_sine(ranges.middle_m(bin))));
   }
-  if (mode_ == RadarMode::dbs || mode_ == RadarMode::sar) place_level_ground();
+  if (mode_ == RadarMode::dbs || mode_ == RadarMode::sar) {
+    place_level_ground();
+    if (has_sea()) spread_sea(settings, ranges);
+  }
+}
+
+void DopplerPlan::spread_sea(const RadarSettings& settings, const SharpRanges& ranges) {
+  const double deviation_hz = SeaMotion(settings).deviation_hz(wavelength_at(settings.frequency_ghz));
+  const int spans = ranges.n / CellSpan::kBins;
+  if (mode_ == RadarMode::dbs) {
+    const double across_m_s = velocity_.most_across_m_s(settings.sector_deg * kDegree_rad);
+    sea_responses_.emplace_back(settings.doppler, deviation_hz * train_s_,
+                                cells_in_beam(settings, sea_.beam_rad, across_m_s));
+    sea_response_of_.assign(static_cast<std::size_t>(spans), 0);
+    return;
+  }
+  // In cells an image's grows with range. What its rows show of the spectrum is narrower on steep ground and
+  // where the antenna flies less across.
+  const double shown =
+      velocity_.least_across_m_s(settings.sector_deg * kDegree_rad) / velocity_.across_m_s(0);
+  double last_cells = 0;
+  for (int span = 0; span < spans; ++span) {
+    const double range_m = span_middle_m(ranges, span);
+    const double cells = deviation_hz * turns_a_hz(range_m);
+    if (sea_responses_.empty() || cells > last_cells * kSeaStep + kSeaStepCells) {
+      const double sine = level_sine(range_m);
+      const double reach_cells = sea_.smear.spread_rad * range_m / settings.doppler.resolution_m * shown *
+                                 std::sqrt(1 - sine * sine);
+      sea_responses_.push_back(SpreadResponse::of_aperture(
+          settings.doppler, cells, static_cast<int>(std::ceil(DopplerResponse::kSarCells + reach_cells))));
+      last_cells = cells;
+    }
+    sea_response_of_.push_back(sea_responses_.size() - 1);
+  }
 }
 
 void DopplerPlan::place_level_ground() {

@@ -2,7 +2,6 @@
 // What the sums over sharp bins need to know of Doppler: where each row and each output stands, and what the
 // filter makes of it.
 #include <complex>
-#include <optional>
 #include <vector>
 
 #include "server/radar/doppler/doppler_response.h"
@@ -22,6 +21,9 @@ struct SharpRanges {
   int n = 0;  ///< a multiple of CellSpan::kBins
   double middle_m(int bin) const { return r_min_m + (bin + 0.5) * spacing_m; }
 };
+
+/// How many responses to the sea an image of synthetic aperture has at most.
+int most_sea_responses(const SharpRanges& ranges);
 
 /// Of a frame in a mode other than map. Immutable.
 class DopplerPlan {
@@ -59,8 +61,10 @@ class DopplerPlan {
   const MovingSea& sea() const { return sea_; }
   const GroundDoppler& sea_doppler() const { return sea_doppler_; }
   const ByLag& sea_residue() const { return sea_residue_; }
-  /// And what a map makes of it (dbs, has_sea()).
-  const SpreadResponse& sea_response() const { return *sea_response_; }
+  /// And what a map or an image makes of it, by CellSpan::kBins (dbs, sar, has_sea()).
+  const SpreadResponse& sea_response(int span) const {
+    return sea_responses_[sea_response_of_[static_cast<std::size_t>(span)]];
+  }
   bool has_moving() const { return !windy_.empty() || has_sea(); }
   /// What is looked at is told apart by its material.
   bool needs_materials() const { return has_sea() || (!windy_.empty() && !all_windy_); }
@@ -87,6 +91,7 @@ class DopplerPlan {
 
  private:
   void place_level_ground();
+  void spread_sea(const RadarSettings& settings, const SharpRanges& ranges);
 
   RadarMode mode_;
   int delays_;
@@ -105,7 +110,8 @@ class DopplerPlan {
   MovingSea sea_;
   GroundDoppler sea_doppler_;
   ByLag sea_residue_{};
-  std::optional<SpreadResponse> sea_response_;
+  std::vector<SpreadResponse> sea_responses_;
+  std::vector<std::size_t> sea_response_of_;
   GroundDoppler ground_;
   DopplerResponse response_;
   std::vector<double> turns_a_hz_;

@@ -27,7 +27,8 @@ class DopplerResponse {
   static constexpr double kSarCells = 24;
 
   explicit DopplerResponse(const RadarSettings& settings);
-  /// Of values each 1 / kStepsACell cells from 0 on to a half of `period_cells`, about which it is even too.
+  /// Of values each 1 / kStepsACell cells from 0 on to a half of `period_cells`, about which it is even too;
+  /// period_cells 0: it ends with the last, which is 0.
   DopplerResponse(const std::vector<double>& values, int period_cells);
 
   double at(double cells) const;

@@ -14,6 +14,10 @@ double SectorVelocity::across_m_s(double azimuth_rad) const {
   return std::abs(right_m_s * at.cos - ahead_m_s * at.sin);
 }
 
+double SectorVelocity::least_across_m_s(double sector_rad) const {
+  return std::min({across_m_s(-sector_rad / 2), across_m_s(0), across_m_s(sector_rad / 2)});
+}
+
 double SectorVelocity::most_across_m_s(double sector_rad) const {
   // Abeam of the course lies a quarter on from it, on either side.
   const double course_rad = bearing_of(right_m_s, ahead_m_s);

@@ -19,6 +19,8 @@ struct SectorVelocity {
   double across_m_s(double azimuth_rad) const;
   /// The greatest of those in a sector.
   double most_across_m_s(double sector_rad) const;
+  /// The least at the sector's edges and middle.
+  double least_across_m_s(double sector_rad) const;
   bool is_zero() const { return ahead_m_s == 0 && right_m_s == 0 && up_m_s == 0; }
   bool operator==(const SectorVelocity&) const = default;
 };

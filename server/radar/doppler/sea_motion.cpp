@@ -1,5 +1,6 @@
 #include "server/radar/doppler/sea_motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -30,6 +31,13 @@ SeaMotion::SeaMotion(const RadarSettings& settings) {
 double SeaMotion::correlation(double lag_s, double wavelength_m) const {
   const double x = 4 * std::numbers::pi * deviation_m_s * lag_s / wavelength_m;
   return std::exp(-x * x / 2);
+}
+
+SeaSmear sea_smear(const RadarSettings& settings, double across_m_s) {
+  constexpr double kDeviations = 3.5;
+  const SeaMotion sea(settings);
+  return {std::min(kMostSeaSmear.moved_rad, sea.downwind_m_s / across_m_s),
+          std::min(kMostSeaSmear.spread_rad, kDeviations * sea.deviation_m_s / across_m_s)};
 }
 
 ByLag sea_residue(const RadarSettings& settings) {

@@ -31,11 +31,23 @@ struct SeaMotion {
   double correlation(double lag_s, double wavelength_m) const;
 };
 
+/// How far beside itself an image of synthetic aperture shows the sea, in azimuth.
+struct SeaSmear {
+  double moved_rad = 0;   ///< by its mean, where that runs along the line of sight
+  double spread_rad = 0;  ///< by 3.5 deviations
+  double reach_rad() const { return moved_rad + spread_rad; }
+};
+/// Farther it is not shown, however slow the antenna: its power stays within.
+constexpr SeaSmear kMostSeaSmear{0.01, 0.03};
+/// across_m_s: of the antenna across the line of sight.
+SeaSmear sea_smear(const RadarSettings& settings, double across_m_s);
+
 /// Water that moves as the sea does.
 struct MovingSea {
   std::vector<int> materials = {};  ///< sorted; empty: none
   SectorVelocity velocity = {};     ///< of the antenna over it
   double beam_rad = 0;              ///< that looks at it, half power
+  SeaSmear smear = {};              ///< of an image of synthetic aperture
 };
 
 /// What a canceller leaves of the sea over its mean power, as moving_residue: sum of a[k] cos(k phase), phase

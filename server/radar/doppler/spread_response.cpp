@@ -11,6 +11,7 @@ namespace obliq {
 namespace {
 
 constexpr int kStepsACell = DopplerTable::kStepsACell;
+constexpr int kFunction = 100;  // in units of ask()
 /// What the Gaussian leaves of a lag counts down to here.
 constexpr double kLeastLeft = 1e-12;
 
@@ -45,9 +46,8 @@ void add_cosines(const std::vector<double>& lags, const double* x, double* sum) 
   for (std::size_t k = 0; k < kTogether; ++k) sum[k] += lags[0] + twice[k] / 2 * next[k] - after[k];
 }
 
-/// The power's root at each step from 0 to half of its period of n cells.
-std::vector<double> root_of_power(const std::vector<double>& lags, int n) {
-  const auto steps = static_cast<std::size_t>(n * kStepsACell / 2) + 1;
+/// The power's root at each step from 0 on; it has a period of n cells.
+std::vector<double> root_of_power(const std::vector<double>& lags, int n, std::size_t steps) {
   std::vector<double> power((steps + kTogether - 1) / kTogether * kTogether);
   for (std::size_t first = 0; first < steps; first += kTogether) {
     ask(static_cast<std::int64_t>(lags.size()));
@@ -97,22 +97,47 @@ double chirp(const std::vector<double>& root, const std::vector<double>& weights
 }  // namespace
 
 SpreadResponse::SpreadResponse(const DopplerSettings& settings, double deviation_cells, double beam_cells)
-    : SpreadResponse(parts_of(settings, deviation_cells, beam_cells), 2 * settings.pulses) {}
+    : SpreadResponse(train_parts(settings, deviation_cells, beam_cells), 2 * settings.pulses) {}
 
-SpreadResponse::Parts SpreadResponse::parts_of(const DopplerSettings& settings, double deviation_cells,
-                                               double beam_cells) {
+void SpreadResponse::Parts::add(double root, double phase) {
+  in_phase.push_back(root * std::cos(phase));
+  ahead.push_back(root * std::sin(phase));
+}
+
+SpreadResponse SpreadResponse::of_aperture(const DopplerSettings& settings, double deviation_cells,
+                                           int end_cells) {
+  // Of so many pulses that what repeats is far away.
+  const int n = 4 * end_cells;
+  const std::vector<double> weights = doppler_taper(settings).sampled_weights(n);
+  const std::vector<double> lags = lags_of(weights, deviation_cells);
+  std::vector<double> root = root_of_power(lags, n, static_cast<std::size_t>(end_cells) * kStepsACell + 1);
+  const double c = chirp(root, weights, HUGE_VAL);
+  root.back() = 0;
+  ask(kFunction * static_cast<std::int64_t>(root.size()) / kTogether);
+  double shown_power = root[0] * root[0] / 2;
+  for (std::size_t k = 1; k < root.size(); ++k) shown_power += root[k] * root[k];
+  const double up = std::sqrt(lags[0] * n * kStepsACell / (2 * shown_power));
+  Parts parts;
+  for (std::size_t k = 0; k < root.size(); ++k) {
+    const double u = static_cast<double>(k) / kStepsACell;
+    parts.add(up * root[k], kPi * c * u * u);
+  }
+  return {parts, 0};
+}
+
+SpreadResponse::Parts SpreadResponse::train_parts(const DopplerSettings& settings, double deviation_cells,
+                                                  double beam_cells) {
   const int n = settings.pulses;
   const std::vector<double> weights = doppler_taper(settings).sampled_weights(n);
-  const std::vector<double> root = root_of_power(lags_of(weights, deviation_cells), n);
+  const std::vector<double> root =
+      root_of_power(lags_of(weights, deviation_cells), n, static_cast<std::size_t>(n * kStepsACell / 2) + 1);
   const double c = chirp(root, weights, beam_cells);
   // The power is even about 0 and about half of its period.
   Parts parts;
   for (int k = 0; k <= n * kStepsACell; ++k) {
     const int within = std::min(k, n * kStepsACell - k);
     const double u = static_cast<double>(within) / kStepsACell;
-    const double phase = kPi * c * u * u, value = root[static_cast<std::size_t>(within)];
-    parts.in_phase.push_back(value * std::cos(phase));
-    parts.ahead.push_back(value * std::sin(phase));
+    parts.add(root[static_cast<std::size_t>(within)], kPi * c * u * u);
   }
   return parts;
 }

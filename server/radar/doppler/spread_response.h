@@ -3,8 +3,8 @@
 
 namespace obliq {
 
-/// What the filter of a map makes of echoes whose Doppler is not one frequency but a Gaussian about it, as
-/// the sea's is.
+/// What the filter of a map or an image makes of echoes whose Doppler is not one frequency but a Gaussian
+/// about it, as the sea's is.
 ///
 /// Power: the mean of D^2 over the Gaussian. With the weights' autocorrelation a[l] it is sum over l of
 /// a[l] exp(-2 (pi s l / N)^2) cos(2 pi l u / N), s the deviation in cells.
@@ -17,6 +17,8 @@ class SpreadResponse {
  public:
   /// beam_cells: of its half power width, the most in the sector (cells_in_beam).
   SpreadResponse(const DopplerSettings& settings, double deviation_cells, double beam_cells);
+  /// Of a synthetic aperture, which has all of the beam: as far as end_cells, with all of the power.
+  static SpreadResponse of_aperture(const DopplerSettings& settings, double deviation_cells, int end_cells);
 
   /// The weight's parts in phase and a quarter turn ahead; their squares add up to the power.
   const DopplerResponse& in_phase() const { return in_phase_; }
@@ -25,8 +27,9 @@ class SpreadResponse {
  private:
   struct Parts {
     std::vector<double> in_phase, ahead;
+    void add(double root, double phase);
   };
-  static Parts parts_of(const DopplerSettings& settings, double deviation_cells, double beam_cells);
+  static Parts train_parts(const DopplerSettings& settings, double deviation_cells, double beam_cells);
   SpreadResponse(const Parts& parts, int period_cells)
       : in_phase_(parts.in_phase, period_cells), ahead_(parts.ahead, period_cells) {}
 

@@ -36,7 +36,9 @@ CornerTable::CornerTable(const std::vector<Material>& materials, Polarisation po
   rows_.reserve(materials.size());
   for (const Material& material : materials) {
     const double slope = std::max(material.rms_slope, kLeastSlope);
-    rows_.push_back({1 / (2 * slope * slope), 1 + kDark * 2 * slope * slope, {material.permittivity_re, -material.permittivity_im}});
+    rows_.push_back({1 / (2 * slope * slope),
+                     1 + kDark * 2 * slope * slope,
+                     {material.permittivity_re, -material.permittivity_im}});
     if (!material.used) continue;
     least_slope_ = std::min(least_slope_, slope);
     most = std::max(most, slope);

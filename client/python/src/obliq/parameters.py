@@ -124,8 +124,8 @@ class Settings(Fields):
     wind_from_deg: Where the wind comes from, clockwise from true north: the sea returns more against it. Allowed: number 0
         to 360 deg.
     sea_state: Sea state of all water (materials of model "sea"), by the NRL model of mean sea clutter; 0: water returns
-        what its material says. With a state it moves, in modes mti, dbs and pulses. "auto" in a scene file is
-        sea.state_auto. Allowed: number 0 to 6.
+        what its material says. With a state it moves, in all modes but map. "auto" in a scene file is sea.state_auto.
+        Allowed: number 0 to 6.
     sea_state_auto: The sea state that atmosphere.wind_m_s raises; a sea.state alone ends it. Allowed: true | false.
     sea_shape: Shape of the sea's texture in a small cell (K distribution): 0.1 is spiky, 20 nearly even; 0: no texture. Of
         use with a sea state. In a wind the texture drifts with the sim time: then echoes of a radar that stands still are

@@ -78,8 +78,8 @@ OBLIQ_INLINE f32x16 cross_section_of(const EchoTable& table, f32x16 material, f3
                 cross_section_of(table, high_half(material), high_half(sec2)));
 }
 
-/// Light of the lanes in `seen`, times the gamma of those that are water. (d2, h2): the sum of a piece's ends;
-/// over_range2: and of 1 over their ranges.
+/// Light of the lanes in `seen`, times the gamma of those that are water. (d2, h2): the sum of a piece's
+/// ends; over_range2: and of 1 over their ranges.
 template <int n>
 OBLIQ_INLINE Floats<n> with_sea(const GroundCut& cut, const Parts<n>& parts, Where<n> seen, Floats<n> light,
                                 Floats<n> d2, Floats<n> h2, Floats<n> over_range2, TableWindow& window) {

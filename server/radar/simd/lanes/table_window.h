@@ -24,8 +24,8 @@ OBLIQ_LANES Lanes<float, n> permuted(const float* from, Lanes<T, n> at) {
   return gather(from, at);
 }
 
-/// What two tables that begin at place `origin` have at places `at`, for the lanes in `wanted`; of other lanes
-/// anything. The window, first at `origin`, follows what is wanted.
+/// What two tables that begin at place `origin` have at places `at`, for the lanes in `wanted`; of other
+/// lanes anything. The window, first at `origin`, follows what is wanted.
 template <int n>
 OBLIQ_INLINE Pairs<Lanes<float, n>> gather_both(const float* one, const float* other, std::int32_t origin,
                                                 Lanes<std::int32_t, n> at, Lanes<MaskOf<float>, n> wanted,

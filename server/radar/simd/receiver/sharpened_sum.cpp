@@ -4,6 +4,7 @@ namespace obliq::OBLIQ_ISA {
 namespace {
 
 constexpr int kOutputs = WeighedRows::kOutputs;
+constexpr unsigned kAllOutputs = (1U << kOutputs) - 1;
 constexpr float kPolynomialsACell = DopplerTable::kPolynomialsACell;
 using Outputs = Lanes<float, kOutputs>;
 
@@ -28,6 +29,7 @@ struct Nearest {
   std::int32_t at[kOutputs];
   float middle[kOutputs];
   unsigned found;
+  bool dark;  ///< D is 0 for all
 
   OBLIQ_INLINE void find(const DopplerTable& table, CellSpan of_row, CellSpan level, const float* away_hz) {
     const Outputs away = load_as<Outputs>(away_hz);
@@ -38,6 +40,7 @@ struct Nearest {
     found = movemask(reach + magnitude(centre - cells) < 0.25F);
     const Outputs last =
         every(static_cast<const Outputs*>(nullptr), static_cast<float>(table.last_polynomial + 1));
+    dark = found == kAllOutputs && !(table.period > 0) && !any(magnitude(number) < last);
     const Outputs known = min(max(within_period(number, kPolynomialsACell * table.period), -last), last);
     to_memory(at, truncated(known * static_cast<float>(DopplerTable::kTerms)));
     to_memory(middle, cells);
@@ -109,7 +112,6 @@ OBLIQ_INLINE void find_responses(const Place& place, const Nearest& nearest, f32
 void sharpened_sum(const SharpenedSum& sum) {
   constexpr int kBlock = 16;
   constexpr int kSpansAhead = 8;  // a line of memory
-  constexpr unsigned kAll = (1U << kOutputs) - 1;
   const WeighedRows& rows = sum.rows;
   Nearest block[kBlock];
   Responses responses[kBlock];
@@ -125,11 +127,11 @@ void sharpened_sum(const SharpenedSum& sum) {
         __builtin_prefetch(sum.spans[k] + tile + kSpansAhead);
         const f32x16 beside_level = load_row(sum.beside_level, k, x);
         nearest.find(sum.table, sum.spans[k][tile], sum.level[tile], away_hz);
-        if (nearest.found != kAll)
+        if (nearest.found != kAllOutputs)
           find_responses(place, nearest, beside_level, away_hz, responses[k - begin]);
       }
       for (int k = begin; k < end; ++k) {
-        if (sum.spans[k][tile].reach < 0) continue;
+        if (sum.spans[k][tile].reach < 0 || block[k - begin].dark) continue;
         const RowLanes row(rows, k, x);
         const float* const taps = sum.taps + (rows.taps_at[k] - rows.skipped);
         const auto add_all = [&](const auto& response) __attribute__((always_inline)) {
@@ -140,7 +142,7 @@ void sharpened_sum(const SharpenedSum& sum) {
           }
         };
         const Nearest& nearest = block[k - begin];
-        if (nearest.found == kAll) {
+        if (nearest.found == kAllOutputs) {
           const f32x16 beside_level = load_floats(sum.beside_level[k] + x);
           const float* const away_hz = sum.away_hz + kOutputs * k;
           add_all([&](int o) __attribute__((always_inline)) {

@@ -113,6 +113,43 @@ TEST_F(PlanSize, IsNeverLessThanThatOfAPlanThatIsMade) {
   EXPECT_GT(made, 150);
 }
 
+// An image of the sea, which is smeared farther the slower the antenna is.
+TEST_F(PlanSize, IsNeverLessThanThatOfAnImageOfTheSea) {
+  Draw draw(29);
+  int made = 0;
+  for (int k = 0; k < 100; ++k) {
+    RadarSettings s;
+    s.frustum = FrustumKind::sweep;
+    s.mode = RadarMode::sar;
+    s.sector_deg = draw.real(1, 10);
+    s.azimuth_bins = draw.whole(100, 1000);
+    s.range_bins = draw.whole(10, 300);
+    s.r_min_m = draw.real(1e3, 20e3);
+    s.r_max_m = s.r_min_m + draw.real(500, 20e3);
+    s.doppler.resolution_m = draw.real(1, 30);
+    s.sea.state = draw.real(0.1, 6);
+    if (draw.coin()) s.atmosphere.wind_m_s = draw.real(0, 25);
+    if (!validate(s).empty()) continue;
+    const EchoSize size = echo_size(s, 1);
+    EchoPlace place;
+    place.height_m = place.above_ground_m = draw.real(100, 3000);
+    place.velocity.right_m_s = draw.real(1, 700);
+    place.sea.materials = {0};
+    place.sea.velocity = place.velocity;
+    place.sea.smear = sea_smear(s, place.velocity.across_m_s(0));
+    std::vector<FieldError> errors;
+    const std::int64_t before = in_use();
+    const auto plan = plan_echo(s, place, errors);
+    if (!plan) continue;
+    const std::int64_t plan_bytes = in_use() - before;
+    ++made;
+    EXPECT_GE(size.n_taps, plan->n_taps) << k;
+    EXPECT_GE(size.sharp.azimuth_bins, plan->looks_at().azimuth_bins) << k;
+    EXPECT_GE(size.plan_bytes + kKept_bytes, plan_bytes) << k;
+  }
+  EXPECT_GT(made, 50);
+}
+
 // Settings do not say how high the antenna is: a beam that looks straight down is in all azimuths. A quarter
 // more is for malloc's rounding, which small plans show, and for a pad that such a plan has none of.
 TEST_F(PlanSize, IsAboutThatOfTheHighestAntenna) {
