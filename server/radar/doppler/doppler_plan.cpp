@@ -76,8 +76,9 @@ void DopplerPlan::spread_sea(const RadarSettings& settings, const SharpRanges& r
   }
   // In cells an image's grows with range. What its rows show of the spectrum is narrower on steep ground and
   // where the antenna flies less across.
-  const double shown =
-      velocity_.least_across_m_s(settings.sector_deg * kDegree_rad) / velocity_.across_m_s(0);
+  const double across_m_s = velocity_.across_m_s(0);  // 0: refused by image_fault
+  const double least_m_s = velocity_.least_across_m_s(settings.sector_deg * kDegree_rad);
+  const double shown = across_m_s > 0 ? least_m_s / across_m_s : 1;
   double last_cells = 0;
   for (int span = 0; span < spans; ++span) {
     const double range_m = span_middle_m(ranges, span);

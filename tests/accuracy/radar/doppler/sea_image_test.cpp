@@ -175,6 +175,14 @@ TEST_F(SeaImage, HasTheSameBitsOnAnyNumberOfThreadsInAnyParts) {
   EXPECT_TRUE(same_bits(one.bins.iq, again.iq));
 }
 
+TEST_F(SeaImage, OfAnAntennaThatStandsStillIsRefused) {
+  TargetScene still = scene(level_world());
+  still.pose().settings.velocity_east_m_s = 0;
+  const PlanResult planned = plan_frame(still.shared(), snapshot(settings_), still.pose());
+  ASSERT_FALSE(planned.plan);
+  EXPECT_EQ(planned.errors.front().field, "radar.mode");
+}
+
 TEST(SpreadResponseOfAnAperture, IsThatOfOneFrequencyWithoutSpread) {
   RadarSettings s;
   s.mode = RadarMode::sar;
