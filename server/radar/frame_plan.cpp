@@ -29,10 +29,9 @@ SectorVelocity in_sector(const glm::dvec3& v, const RadarSettings& settings, con
   return {own.x, own.y, own.z};
 }
 
-/// Of the sea's scatterers, in the world's axes: downwind.
-glm::dvec3 sea_velocity_m_s(const RadarSettings& settings, const Pose& pose) {
+/// Of the sea's scatterers, in the world's axes.
+glm::dvec3 sea_velocity_m_s(const RadarSettings& settings, const Pose& pose, double downwind_m_s) {
   const SinCos from = wind_bearing(settings, pose.north_rad);
-  const double downwind_m_s = SeaMotion(settings).downwind_m_s;
   return {-downwind_m_s * from.sin, 0, -downwind_m_s * from.cos};
 }
 
@@ -40,8 +39,8 @@ glm::dvec3 sea_velocity_m_s(const RadarSettings& settings, const Pose& pose) {
 void place_moving(const Scene& scene, const RadarSettings& settings, const glm::dvec3& antenna_m_s,
                   const Pose& pose, EchoPlace& place) {
   if (settings.mode == RadarMode::map) return;
-  const bool is_map = settings.mode == RadarMode::dbs || settings.mode == RadarMode::sar;
-  const bool has_wind = settings.atmosphere.wind_m_s > 0 && !is_map;
+  const bool shows_wind = settings.mode == RadarMode::mti || settings.mode == RadarMode::pulses;
+  const bool has_wind = settings.atmosphere.wind_m_s > 0 && shows_wind;
   const bool has_sea = sea_state(settings) > 0;
   place.all_windy = has_wind;
   for (std::size_t id = 0; id < scene.materials().size(); ++id) {
@@ -54,14 +53,14 @@ void place_moving(const Scene& scene, const RadarSettings& settings, const glm::
     place.all_windy = place.all_windy && is_windy;
   }
   if (place.sea.materials.empty()) return;
-  glm::dvec3 sea_m_s = sea_velocity_m_s(settings, pose);
+  double downwind_m_s = SeaMotion(settings).downwind_m_s;
   if (settings.mode == RadarMode::sar) {
     const double across_m_s = place.velocity.least_across_m_s(settings.sector_deg * kDegree_rad);
     place.sea.smear = sea_smear(settings, across_m_s);
     // As fast as is shown.
-    if (const double m_s = SeaMotion(settings).downwind_m_s; m_s > 0)
-      sea_m_s *= std::min(1.0, place.sea.smear.moved_rad * across_m_s / m_s);
+    downwind_m_s = std::min(downwind_m_s, place.sea.smear.moved_rad * across_m_s);
   }
+  const glm::dvec3 sea_m_s = sea_velocity_m_s(settings, pose, downwind_m_s);
   place.sea.velocity = in_sector(antenna_m_s - sea_m_s, settings, pose, place.axes);
   place.sea.beam_rad = azimuth_resolution_rad(settings);
 }

@@ -2,6 +2,7 @@
 // What tests of modes that look at Doppler have in common.
 #include <vector>
 
+#include "tests/support/same_bits.h"
 #include "tests/support/target_scenes.h"
 
 namespace obliq::test {
@@ -35,6 +36,16 @@ inline World shore(std::uint8_t left) {
     for (int i = 0; i < nx; ++i)
       world.surface_material.push_back(static_cast<std::uint8_t>(i < nx / 2 ? left : 1 - left));
   return world;
+}
+
+/// A frame on one thread, which is the same on three and in parts.
+inline Frame same_frame_in_any_parts(const TargetScene& scene, const RadarSettings& s) {
+  const Frame one = scene.render(s, {}, 1);
+  expect_same_bits(one.bins, scene.render(s, {}, 3).bins);
+  BinBlock again = one.bins;
+  copy_azimuths(scene.part(s, {}, {80, 24}).bins, again);
+  expect_same_bits(one.bins, again);
+  return one;
 }
 
 /// Of all ranges.

@@ -107,9 +107,9 @@ void EchoSums::sum_doppler(std::initializer_list<Kind> kinds, std::size_t tile) 
     cancel(sea.places, rows.power, doppler_->sea_echoes());
     sums.add(rows);
   } else {
-    sharpen(sea.places, doppler.sea_response(static_cast<int>(tile)).in_phase());
+    sharpen(sea.places, doppler.sea_response(tile).in_phase());
     sums.add(rows);
-    sharpen(sea.places, doppler.sea_response(static_cast<int>(tile)).ahead());
+    sharpen(sea.places, doppler.sea_response(tile).ahead());
     sums.add_ahead(rows);
   }
   sums.give(rows);

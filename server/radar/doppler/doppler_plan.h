@@ -62,8 +62,8 @@ class DopplerPlan {
   const GroundDoppler& sea_doppler() const { return sea_doppler_; }
   const ByLag& sea_residue() const { return sea_residue_; }
   /// And what a map or an image makes of it, by CellSpan::kBins (dbs, sar, has_sea()).
-  const SpreadResponse& sea_response(int span) const {
-    return sea_responses_[sea_response_of_[static_cast<std::size_t>(span)]];
+  const SpreadResponse& sea_response(std::size_t span) const {
+    return sea_responses_[sea_response_of_[span]];
   }
   bool has_moving() const { return !windy_.empty() || has_sea(); }
   /// What is looked at is told apart by its material.

@@ -265,13 +265,7 @@ TEST_F(SeaSharpened, KeepsItsGrainInASectorAlongTheTrack) {
 TEST_F(SeaSharpened, HasTheSameBitsOnAnyNumberOfThreadsInAnyPartsAndWithAnyInstructionSet) {
   settings_.sea.shape = 1;
   settings_.atmosphere.wind_m_s = 8;
-  const Frame one = scene_.render(settings_, {}, 1), three = scene_.render(settings_, {}, 3);
-  EXPECT_TRUE(same_bits(one.bins.power_w, three.bins.power_w));
-  EXPECT_TRUE(same_bits(one.bins.iq, three.bins.iq));
-  BinBlock again = one.bins;
-  copy_azimuths(scene_.part(settings_, {}, {80, 24}).bins, again);
-  EXPECT_TRUE(same_bits(one.bins.power_w, again.power_w));
-  EXPECT_TRUE(same_bits(one.bins.iq, again.iq));
+  const Frame one = same_frame_in_any_parts(scene_, settings_);
   for (const Kernels& kernels : all_kernels()) {
     use_kernels(kernels);
     const Frame other = scene_.bare(settings_);
