@@ -113,7 +113,7 @@ SpreadResponse SpreadResponse::of_aperture(const DopplerSettings& settings, doub
   std::vector<double> root = root_of_power(lags, n, static_cast<std::size_t>(end_cells) * kStepsACell + 1);
   const double c = chirp(root, weights, HUGE_VAL);
   root.back() = 0;
-  ask(kFunction * static_cast<std::int64_t>(root.size()) / kTogether);
+  ask(kFunction * std::ssize(root) / std::int64_t{kTogether});
   double shown_power = root[0] * root[0] / 2;
   for (std::size_t k = 1; k < root.size(); ++k) shown_power += root[k] * root[k];
   const double up = std::sqrt(lags[0] * n * kStepsACell / (2 * shown_power));
