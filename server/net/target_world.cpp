@@ -254,9 +254,9 @@ TargetWorld::Outcome TargetWorld::commit(const wire::SetTargets& request, const 
     outcome.warnings.push_back(std::to_string(change.late) +
                                " late: their sim_time_ns is before the newest of their target; left out");
   std::uint32_t come = 0, gone = 0;
-  for (const auto& [id, target] : change.set) come += all_.contains(id) ? 0 : 1;
+  for (const auto& [id, target] : change.set) come += all_.contains(id) ? 0U : 1U;
   if (request.clear()) {
-    for (const auto& [id, target] : all_) gone += change.set.contains(id) ? 0 : 1;
+    for (const auto& [id, target] : all_) gone += change.set.contains(id) ? 0U : 1U;
     all_.clear();
   }
   for (const std::uint64_t id : change.gone)

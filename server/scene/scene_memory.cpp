@@ -38,7 +38,7 @@ std::uint64_t surface_triangles(const World& world) {
   std::uint64_t n = triangle_count(world.buildings);
   const HeightGrid& grid = world.grid;
   for (int j = 0; j + 1 < grid.nz; ++j)
-    for (int i = 0; i + 1 < grid.nx; ++i) n += grid.cell_known(i, j) ? 2 : 0;
+    for (int i = 0; i + 1 < grid.nx; ++i) n += grid.cell_known(i, j) ? 2U : 0U;
   return n;
 }
 

@@ -56,7 +56,7 @@ void write_scene_mesh(const World& world, const std::string& path) {
     if (grid.y_m[k] == grid.y_m[k]) number[k] = n_nodes++;
   std::uint64_t cells = 0;
   for (int j = 0; j + 1 < grid.nz; ++j)
-    for (int i = 0; i + 1 < grid.nx; ++i) cells += grid.cell_known(i, j) ? 1 : 0;
+    for (int i = 0; i + 1 < grid.nx; ++i) cells += grid.cell_known(i, j) ? 1U : 0U;
 
   const BuildingMesh buildings = mesh_of(world.buildings);
   PlyWriter ply(path);

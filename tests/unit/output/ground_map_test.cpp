@@ -137,7 +137,7 @@ TEST(GroundMap, RingsAndPixelsAreAtTheSamePlacesHoweverFarTheRadarIsFromTheModel
       const GroundMap map = north_or_bearing_up(d, 0);
       EXPECT_EQ(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), map.bin.size());
       std::size_t seen = 0;
-      for (std::size_t pixel = 0; pixel < map.bin.size(); ++pixel) seen += map.is_bin(pixel) ? 1 : 0;
+      for (std::size_t pixel = 0; pixel < map.bin.size(); ++pixel) seen += map.is_bin(pixel) ? 1U : 0U;
       // 60 degrees between 1 and 10 km are 0.54 of their bounds, east up to 10 km.
       EXPECT_GT(static_cast<double>(seen), 0.45 * static_cast<double>(map.bin.size())) << latitude_deg;
     }

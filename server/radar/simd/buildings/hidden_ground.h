@@ -33,7 +33,8 @@ OBLIQ_INLINE void hide_ground(const SubColumns& columns, Where<n> rises, Numbers
   const unsigned lanes = movemask(which);
   const int first_plane = plane[__builtin_ctz(lanes)];
   const int last_plane = plane[31 - __builtin_clz(lanes)];
-  float from_of[n], to_of[n], share_of[n];
+  constexpr unsigned kLanes = n;
+  float from_of[kLanes], to_of[kLanes], share_of[kLanes];
   for (int p = first_plane; p <= last_plane; ++p) {
     const Where<n> own = which & (plane == p);
     const unsigned own_lanes = movemask(own);

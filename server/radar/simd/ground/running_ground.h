@@ -41,7 +41,7 @@ OBLIQ_INLINE void put_front(T* to, unsigned mask, Lanes<T, n> x) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
                         _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, x), order));
 #else
-    T from[n];
+    T from[sizeof x / sizeof(T)];
     to_memory(from, x);
     for (int k = 0; k < __builtin_popcount(mask); ++k) to[k] = from[kFronts.of[mask] >> 8 * k & 7];
 #endif

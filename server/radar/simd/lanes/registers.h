@@ -40,7 +40,7 @@ struct Lanes<T, n, false> {
 
   [[gnu::always_inline]] T operator[](int lane) const {
     if (__builtin_constant_p(lane)) return lane < n / 2 ? low[lane] : high[lane - n / 2];
-    T all[n];
+    T all[sizeof *this / sizeof(T)];
     __builtin_memcpy(all, this, sizeof all);
     return all[lane];
   }

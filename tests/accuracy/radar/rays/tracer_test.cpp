@@ -80,7 +80,7 @@ Comparison compare(const Scene& scene, const FramePlan& plan, const test::Refere
       const double range_m = reference ? reference->distance_m : mine ? mine->slant_range_m : 1e5;
       if (rays->pixel[k] % 16 == 0) {
         ++c.sample;
-        c.sample_near_edge += near_edge(mesh, origin, direction, reference, range_m) ? 1 : 0;
+        c.sample_near_edge += near_edge(mesh, origin, direction, reference, range_m) ? 1U : 0U;
       }
       // Inside to 1e-6 of the triangle's size: a point on a shared edge belongs to both triangles.
       const bool same = mine.has_value() == reference.has_value() &&
@@ -99,7 +99,7 @@ Comparison compare(const Scene& scene, const FramePlan& plan, const test::Refere
       }
       if (!mine) continue;
       ++c.hits;
-      c.on_buildings += mine->face != kNoFace ? 1 : 0;
+      c.on_buildings += mine->face != kNoFace ? 1U : 0U;
       c.worst_m = std::max(c.worst_m, std::abs(mine->slant_range_m - reference->distance_m));
       const double off_m = static_cast<double>(rough[k].distance_m) - reference->distance_m;
       c.float_worst_m = std::max(c.float_worst_m, std::abs(off_m));
