@@ -31,6 +31,13 @@ constexpr float kClip_m = 50;
 
 float as_float(double x) { return static_cast<float>(x); }
 
+/// No slope of a roof this high above the antenna is greater, as floats see it; `half`: tangent of half the
+/// bin.
+float highest_slope(float roof_m, float near_m, float far_m, float half) {
+  constexpr float kRounding = 1e-4F;
+  return roof_m > 0 ? roof_m / near_m * (1 + kRounding) : roof_m / far_m * (1 - kRounding - half * half);
+}
+
 int whole_registers(int lanes) { return (std::max(1, lanes) + kLanes - 1) / kLanes * kLanes; }
 
 }  // namespace
@@ -274,8 +281,9 @@ void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::si
                    static_cast<std::uint32_t>(parts_.size()));
   const float antenna_y_m = columns_.ground.antenna_y_m;
   parts_.push_back({near_m, building, of.first_face, of.roof_y_m - antenna_y_m, of.base_y_m - antenna_y_m,
-                    of.material, one_of_several, static_cast<std::uint32_t>(first),
-                    static_cast<std::uint32_t>(n), from, to});
+                    highest_slope(of.roof_y_m - antenna_y_m, near_m, far_m, half_), of.material,
+                    one_of_several, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(n), from,
+                    to});
 }
 
 /// Clips a part to what lies ahead of the antenna: the rest is in none of the bin's directions.
@@ -325,6 +333,8 @@ void BuildingView::see(const Part& part, const ConvexShape& shape, EchoCells& ce
   const int first = std::min(from, columns_.n - lanes);
   echoes_.n = 0;
   if (corner_view_.wanted()) see_corners(part, shape);
+  const auto roof = roofs_.begin();
+  if (std::all_of(roof + from, roof + end, [&](float slope) { return slope > part.highest; })) return;
   constexpr int kMost = SubColumns::kMostLanes;
   for (int k = first; k < first + lanes; k += kMost)
     active_kernels().see_part(columns_, shape, k, std::min(kMost, end - k), echoes_);

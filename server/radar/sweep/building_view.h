@@ -58,6 +58,7 @@ class BuildingView {
     std::uint32_t building;
     std::uint32_t roof_face;
     float roof_m, base_m;  // above the antenna
+    float highest;         // slope that it may have
     std::uint8_t material;
     bool one_of_several;
     std::uint32_t first, n;  // into corners_
