@@ -53,10 +53,11 @@ void place_moving(const Scene& scene, const RadarSettings& settings, const glm::
     place.all_windy = place.all_windy && is_windy;
   }
   if (place.sea.materials.empty()) return;
-  double downwind_m_s = SeaMotion(settings).downwind_m_s;
+  const SeaMotion sea(settings);
+  double downwind_m_s = sea.downwind_m_s;
   if (settings.mode == RadarMode::sar) {
     const double across_m_s = place.velocity.least_across_m_s(settings.sector_deg * kDegree_rad);
-    place.sea.smear = sea_smear(settings, across_m_s);
+    place.sea.smear = sea_smear(sea, across_m_s);
     // As fast as is shown.
     downwind_m_s = std::min(downwind_m_s, place.sea.smear.moved_rad * across_m_s);
   }

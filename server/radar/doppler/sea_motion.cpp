@@ -33,9 +33,8 @@ double SeaMotion::correlation(double lag_s, double wavelength_m) const {
   return std::exp(-x * x / 2);
 }
 
-SeaSmear sea_smear(const RadarSettings& settings, double across_m_s) {
+SeaSmear sea_smear(const SeaMotion& sea, double across_m_s) {
   constexpr double kDeviations = 3.5;
-  const SeaMotion sea(settings);
   return {std::min(kMostSeaSmear.moved_rad, sea.downwind_m_s / across_m_s),
           std::min(kMostSeaSmear.spread_rad, kDeviations * sea.deviation_m_s / across_m_s)};
 }

@@ -40,7 +40,7 @@ struct SeaSmear {
 /// Farther it is not shown, however slow the antenna: its power stays within.
 constexpr SeaSmear kMostSeaSmear{0.01, 0.03};
 /// across_m_s: of the antenna across the line of sight.
-SeaSmear sea_smear(const RadarSettings& settings, double across_m_s);
+SeaSmear sea_smear(const SeaMotion& sea, double across_m_s);
 
 /// Water that moves as the sea does.
 struct MovingSea {

@@ -106,7 +106,7 @@ void SpreadResponse::Parts::add(double root, double phase) {
 
 SpreadResponse SpreadResponse::of_aperture(const DopplerSettings& settings, double deviation_cells,
                                            int end_cells) {
-  // With so many pulses the response repeats far beyond its end.
+  // The response repeats every n cells, well beyond its end.
   const int n = 4 * end_cells;
   const std::vector<double> weights = doppler_taper(settings).sampled_weights(n);
   const std::vector<double> lags = lags_of(weights, deviation_cells);

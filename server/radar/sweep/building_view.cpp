@@ -268,20 +268,19 @@ void BuildingView::add_part(std::uint32_t building, bool one_of_several, std::si
     to = std::max(to, corners_[k].tangent);
   }
   const Building& of = plan_.scene().world().buildings.list[building];
-  const double roof_m = static_cast<double>(of.roof_y_m) - plan_.sector().antenna_m.y;
-  const double top_slope = roof_m / (1.001 * static_cast<double>(far_m));
+  const float antenna_y_m = columns_.ground.antenna_y_m;
+  const float roof_m = of.roof_y_m - antenna_y_m;
+  const float highest = highest_slope(roof_m, near_m, far_m, half_);
   const std::size_t n = corners_.size() - first;
   if (n < 3 || static_cast<double>(near_m) > far_m_ || !(to > -half_) || !(from < half_) ||
-      (roof_m < 0 && top_slope < lowest_slope_)) {
+      static_cast<double>(highest) < lowest_slope_) {
     corners_.resize(first);
     return;
   }
   // The bits of positive floats are in the order of the floats.
   order_.push_back(static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(near_m)) << 32 |
                    static_cast<std::uint32_t>(parts_.size()));
-  const float antenna_y_m = columns_.ground.antenna_y_m;
-  parts_.push_back({near_m, building, of.first_face, of.roof_y_m - antenna_y_m, of.base_y_m - antenna_y_m,
-                    highest_slope(of.roof_y_m - antenna_y_m, near_m, far_m, half_), of.material,
+  parts_.push_back({near_m, building, of.first_face, roof_m, of.base_y_m - antenna_y_m, highest, of.material,
                     one_of_several, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(n), from,
                     to});
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kFlight_m_s = 150, kResolution_m = 5;
-constexpr int kPulses = 400;    // of an aperture here, whose response repeats after so many cells
+constexpr int kPulses = 400;    // of an aperture; its response repeats every 400 cells
 constexpr double kStep = 0.05;  // cells
 
 double hamming(int n) { return 0.54 + 0.46 * std::cos(2 * kPi * ((n + 0.5) / kPulses - 0.5)); }

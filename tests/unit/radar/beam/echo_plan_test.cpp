@@ -136,7 +136,7 @@ TEST_F(PlanSize, IsNeverLessThanThatOfAnImageOfTheSea) {
     place.velocity.right_m_s = draw.real(1, 700);
     place.sea.materials = {0};
     place.sea.velocity = place.velocity;
-    place.sea.smear = sea_smear(s, place.velocity.across_m_s(0));
+    place.sea.smear = sea_smear(SeaMotion(s), place.velocity.across_m_s(0));
     std::vector<FieldError> errors;
     const std::int64_t before = in_use();
     const auto plan = plan_echo(s, place, errors);
