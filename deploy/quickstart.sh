@@ -51,7 +51,7 @@ deploy/install-deps.sh build demo
 step "2/6 build with $(parallel_jobs) jobs (minutes the first time, seconds after)"
 # A tree that was set up for tests stays so; a fresh one is spared their packages and their build.
 fresh=()
-[ -f build/release/CMakeCache.txt ] || fresh=(-DOBLIQ_TESTS=OFF -DOBLIQ_BENCHMARKS=OFF)
+[ -f build/release/CMakeCache.txt ] || fresh=(-DOBLIQ_TESTS=OFF)
 mkdir -p build
 if ! cmake --preset release "${fresh[@]}" >build/configure.log 2>&1; then
   cat build/configure.log >&2

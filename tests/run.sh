@@ -28,7 +28,7 @@ jobs=$(parallel_jobs)
 step "packages"
 deploy/install-deps.sh build test package
 step "configure"
-cmake --preset release -DOBLIQ_TESTS=ON -DOBLIQ_BENCHMARKS=ON
+cmake --preset release -DOBLIQ_TESTS=ON
 step "build with $jobs jobs"
 cmake --build --preset release --parallel "$jobs"
 step "test"

@@ -147,7 +147,7 @@ COHERENCE_HEAD = ["moved", "sampling", *(f"at {km} km" for km in RANGES_KM)]
 
 
 def coherence_words(figures):
-    return ("`clutter_coherence_test`: all bins within 6 degrees of the sector's middle with those of an antenna that has moved, the geometry of each bin's "
+    return ("`clutter_coherence_test.cpp`: all bins within 6 degrees of the sector's middle with those of an antenna that has moved, the geometry of each bin's "
             "middle removed; the paper's view over hills of 800 m (`paper_hills.toml`), bins of 0.117 degrees x 32.5 m, sharp. *Theory*: what an evenly "
             "rough, level cell keeps, by the ground that both looks have in the bin and the phase over it."
             + table(COHERENCE_HEAD, coherence_rows(figures, tuple(SAMPLINGS))))
@@ -215,7 +215,7 @@ def rows_words(figures):
 PARTS = [
     Part("checks", "Against what shares no code", test_commands, recorded,
          lambda figures: "Each line is from tests, which ctest runs." + table(["what", "against", "result"], check_rows(figures)), quick=True),
-    Part("coherence", "Coherence", lambda programs, folder: test_commands(programs, folder, [("clutter_coherence_test", "*")]), recorded,
+    Part("coherence", "Coherence", lambda programs, folder: test_commands(programs, folder, [("speckle_test", "*CoherenceOfClutter*")]), recorded,
          coherence_words, quick=True),
     Part("radar_hills", "Hills through a radar", frontier_of(PAPER, "--kinds", "sweep", "--truth-planes", "8"), frontier_figures, hills_words, quick=True),
     Part("radar_city", "A city through a radar", frontier_of("deploy/scenes/losangeles.toml", "--kinds", "sweep", "--azimuths", "16"), frontier_figures,

@@ -6,7 +6,7 @@
 
 #include "server/control/scene_file.h"
 
-namespace obliq {
+namespace obliq::shipped_scenes_test {
 namespace {
 
 std::vector<std::filesystem::path> shipped_scenes() {
@@ -42,4 +42,4 @@ TEST(ShippedScenes, AreAcceptedAndNameFilesThatShipWithThem) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::shipped_scenes_test

@@ -12,7 +12,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/surface_check.h"
 
-namespace obliq {
+namespace obliq::antenna_places_test {
 namespace {
 
 using test::Rendered;
@@ -296,4 +296,4 @@ TEST(HardAntenna, OverThePolesAndTheEquatorSeesTheSameFlatGround) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::antenna_places_test

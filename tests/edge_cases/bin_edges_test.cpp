@@ -20,7 +20,7 @@
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::bin_edges_test {
 namespace {
 
 RadarSettings settings() {
@@ -265,4 +265,4 @@ TEST(HardBinEdges, TheLastWedgeOfEightThousandBinsIsThatOfEveryWayOfSampling) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::bin_edges_test

@@ -13,7 +13,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/surface_check.h"
 
-namespace obliq {
+namespace obliq::buildings_test {
 namespace {
 
 using test::Rendered;
@@ -268,4 +268,4 @@ TEST(HardBuildings, AnAntennaOverARoofsEdgeOnItsCornerOrAgainstAWallSeesFiniteTh
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::buildings_test

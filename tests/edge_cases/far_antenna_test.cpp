@@ -19,7 +19,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::far_antenna_test {
 namespace {
 
 constexpr double kGround_m = 300, kTower_m = 60, kAbove_m = 3000, kSide_m = 80;
@@ -274,4 +274,4 @@ TEST(HardFarAntenna, ATowerFallsIntoItsBinOnTheEquatorAndInTheSouth) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::far_antenna_test

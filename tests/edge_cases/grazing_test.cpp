@@ -11,7 +11,7 @@
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::grazing_test {
 namespace {
 
 using test::kPi;
@@ -254,4 +254,4 @@ TEST(HardGrazing, IncidenceAlongTheNormalIsExactlyOneAndNeverAbove) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::grazing_test

@@ -15,7 +15,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::leaks_test {
 namespace {
 
 constexpr double kHalf_m = 2000, kCell_m = 25;
@@ -207,4 +207,4 @@ INSTANTIATE_TEST_SUITE_P(At100Kilometres, HardLeaks, testing::Values(100e3));
 INSTANTIATE_TEST_SUITE_P(At300Kilometres, HardLeaks, testing::Values(300e3));
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::leaks_test

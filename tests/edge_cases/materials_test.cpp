@@ -21,7 +21,7 @@
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::materials_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -248,4 +248,4 @@ INSTANTIATE_TEST_SUITE_P(Usual, FilesOfPower, testing::Values(std::pair{1.0, 300
 INSTANTIATE_TEST_SUITE_P(Least, FilesOfPower, testing::Values(std::pair{kLeast, 10.0}));
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::materials_test

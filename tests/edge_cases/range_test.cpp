@@ -22,7 +22,7 @@
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::range_test {
 namespace {
 
 using Exact = boost::multiprecision::cpp_bin_float_100;  // 100 decimal digits
@@ -380,4 +380,4 @@ TEST_F(HardSums, PowersThatUnderflowAreZerosAndNotNaN) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::range_test

@@ -17,7 +17,7 @@
 #include "tests/support/surface_check.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::terrain_test {
 namespace {
 
 using test::Rendered;
@@ -346,4 +346,4 @@ TEST(HardTerrain, BothNamesOfTheAntimeridianAreOnePlace) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::terrain_test

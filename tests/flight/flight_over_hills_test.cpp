@@ -4,7 +4,7 @@
 #include "tests/flight/flight_run.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::flight_over_hills_test {
 namespace {
 
 TEST(FlightOverHills, TheGroundIsThereAllAlongTheWay) {
@@ -53,4 +53,4 @@ threads = 1
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::flight_over_hills_test

@@ -17,7 +17,7 @@
 #include "tests/integration/rendering/render_listener.h"
 #include "tests/support/scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::scan_bits_test {
 namespace {
 
 using Time = std::chrono::steady_clock::time_point;
@@ -282,4 +282,4 @@ TEST(FlightWindows, TownsStandWhereTheyStoodWhenTheOriginMoves) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::scan_bits_test

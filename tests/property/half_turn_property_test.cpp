@@ -19,7 +19,7 @@
 #include "tests/property/trial.h"
 #include "tests/support/same_bits.h"
 
-namespace obliq {
+namespace obliq::half_turn_property_test {
 namespace {
 
 /// A scene turned by 180 degrees about the middle of its grid. All coordinates are multiples of 2^-10 m far
@@ -206,4 +206,4 @@ INSTANTIATE_TEST_SUITE_P(Sources, BitsOfEverySource, testing::ValuesIn(test::kEv
                          test::source_name<testing::TestParamInfo<test::NamedSource>>);
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::half_turn_property_test

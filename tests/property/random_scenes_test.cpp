@@ -10,7 +10,7 @@
 #include "server/radar/profile/roofs.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::random_scenes_test {
 namespace {
 
 constexpr std::uint64_t kScenes = 500;
@@ -90,4 +90,4 @@ TEST(RandomScenes, AreOfEveryKindAndMostShowSomething) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::random_scenes_test

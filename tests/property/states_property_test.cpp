@@ -10,7 +10,7 @@
 
 #include "tests/property/trial.h"
 
-namespace obliq {
+namespace obliq::states_property_test {
 namespace {
 
 bool sampled(std::uint8_t state) { return state == static_cast<std::uint8_t>(BinState::sampled); }
@@ -234,4 +234,4 @@ INSTANTIATE_TEST_SUITE_P(Sources, EnergyOfEverySource, testing::ValuesIn(test::k
                          test::source_name<testing::TestParamInfo<test::NamedSource>>);
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::states_property_test

@@ -16,7 +16,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/sane_frames.h"
 
-namespace obliq {
+namespace obliq::towns_property_test {
 namespace {
 
 constexpr int kTowns = 3000;
@@ -188,4 +188,4 @@ TEST(RandomTowns, HaveTheSameBitsFromAnyThreadsAzimuthsAndPauses) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::towns_property_test

@@ -29,7 +29,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::viewshed_test {
 namespace {
 
 constexpr double kRadiusFactor = 4.0 / 3;
@@ -370,4 +370,4 @@ TEST(GroundSight, IsThatOfTheReferenceOverGridsOfManySquares) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::viewshed_test

@@ -18,7 +18,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::attitude_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -341,4 +341,4 @@ TEST(Attitude, ALevelPlatformIsAStabilisedOne) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::attitude_test

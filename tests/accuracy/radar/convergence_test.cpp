@@ -28,7 +28,7 @@
 #include "tests/support/samplings.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::convergence_test {
 namespace {
 
 using test::ErrorAtSize;
@@ -218,4 +218,4 @@ TEST(ReferenceScenes, BitsDoNotDependOnThreadsOrOnWhichAzimuthsAreAskedFor) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::convergence_test

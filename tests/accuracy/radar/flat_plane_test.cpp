@@ -9,7 +9,7 @@
 #include "tests/support/figures.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::flat_plane_test {
 namespace {
 
 struct Errors {
@@ -125,4 +125,4 @@ TEST(FlatPlane, ExactPlanesMatchTheClosedFormAroundTheNadir) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::flat_plane_test

@@ -20,7 +20,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::frame_sums_test {
 namespace {
 
 template <class T>
@@ -281,4 +281,4 @@ TEST(FrameSums, AreThoseRecordedForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::frame_sums_test

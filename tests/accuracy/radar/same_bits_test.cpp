@@ -21,7 +21,7 @@
 #include "terrain/buildings/building_mesh.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::same_bits_test {
 namespace {
 
 /// Hills with a void, seen from above their tops; small enough for many frames.
@@ -215,4 +215,4 @@ TEST(InstructionSets, AnswerTheSameButForRaysWithinFloatStepsOfAnEdge) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::same_bits_test

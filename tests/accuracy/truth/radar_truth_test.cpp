@@ -10,7 +10,7 @@
 #include "server/accuracy/bin_errors.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::radar_truth_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -238,4 +238,4 @@ INSTANTIATE_TEST_SUITE_P(EachFrustum, RadarTruthOf,
                          [](const auto& test) { return std::string(frustum_name(test.param.first)); });
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::radar_truth_test

@@ -8,7 +8,7 @@
 #include "tests/support/figures.h"
 #include "tests/support/fitted_order.h"
 
-namespace obliq {
+namespace obliq::reference_order_test {
 namespace {
 
 using test::ErrorAtSize;
@@ -103,4 +103,4 @@ TEST(ReferenceOrder, IsTwoInThePlanesOverGroundAndBetweenOneAndTwoWithBuildings)
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::reference_order_test

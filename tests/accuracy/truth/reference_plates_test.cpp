@@ -8,7 +8,7 @@
 #include "terrain/base/errors.h"
 #include "tests/accuracy/reference_support.h"
 
-namespace obliq {
+namespace obliq::reference_plates_test {
 namespace {
 
 using test::add_prism;
@@ -247,4 +247,4 @@ TEST(ReferenceRefuses, AnAntennaInTheGroundOrInABuilding) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::reference_plates_test

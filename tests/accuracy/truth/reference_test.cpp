@@ -9,7 +9,7 @@
 #include "terrain/world.h"
 #include "tests/accuracy/reference_support.h"
 
-namespace obliq {
+namespace obliq::reference_test {
 namespace {
 
 using test::bin_index;
@@ -253,4 +253,4 @@ TEST(Reference, DatumOfTheEffectiveEarthIsASphereOfItsCurvature) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::reference_test

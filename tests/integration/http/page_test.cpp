@@ -12,7 +12,7 @@
 #include "tests/integration/daemon.h"
 #include "tests/integration/http_peer.h"
 
-namespace obliq::test {
+namespace obliq::test::page_test {
 namespace {
 
 using http::is_own_host;
@@ -204,4 +204,4 @@ TEST(HttpPage, NamesAndOriginsThatAreNoneAreRefused) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::page_test

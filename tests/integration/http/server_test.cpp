@@ -10,7 +10,7 @@
 #include "terrain/base/errors.h"
 #include "tests/integration/http_peer.h"
 
-namespace obliq::test {
+namespace obliq::test::server_test {
 namespace {
 
 using http::HttpOptions;
@@ -273,4 +273,4 @@ TEST(ReadinessPage, SaysTheStageAndThePercentWhileLoading) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::server_test

@@ -5,7 +5,7 @@
 
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::clients_test {
 namespace {
 
 constexpr auto kScene = R"(
@@ -132,4 +132,4 @@ TEST(ModbusClients, APortInUseIsAMistakeToHearOfAtOnce) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::clients_test

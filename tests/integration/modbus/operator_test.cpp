@@ -9,7 +9,7 @@
 #include "tests/integration/modbus/modbus_fixture.h"
 #include "tests/support/loopback.h"
 
-namespace obliq::test {
+namespace obliq::test::operator_test {
 namespace {
 
 constexpr std::uint16_t kTransmitOff = 2;
@@ -306,4 +306,4 @@ TEST(ModbusMaster, AServerThatHasStoppedAnswersBusyAndChangesNothing) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::operator_test

@@ -3,7 +3,7 @@
 #include "tests/integration/modbus/modbus_fixture.h"
 #include "tests/support/captured_log.h"
 
-namespace obliq::test {
+namespace obliq::test::server_test {
 namespace {
 
 using Words = std::vector<std::uint16_t>;
@@ -269,4 +269,4 @@ TEST_F(Modbus, AMasterThatSendsAByteAtATimeIsServedAndHoldsUpNobody) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::server_test

@@ -5,7 +5,7 @@
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::abuse_test {
 namespace {
 
 using client::FrameAssembler;
@@ -239,4 +239,4 @@ TEST(Stop, AStalledClientDoesNotDelayIt) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::abuse_test

@@ -8,7 +8,7 @@
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::appraisal_test {
 namespace {
 
 using wire::ErrorNumber;
@@ -313,4 +313,4 @@ TEST(LongPlans, KeepNobodyWaitingButTheFrame) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::appraisal_test

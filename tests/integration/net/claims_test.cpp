@@ -13,7 +13,7 @@
 #include "tests/integration/daemon.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::claims_test {
 namespace {
 
 using client::Status;
@@ -228,4 +228,4 @@ TEST_F(Claims, AKindThatThereIsNotIsNamed) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::claims_test

@@ -12,7 +12,7 @@
 #include "server/net/panel.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::crew_test {
 namespace {
 
 using client::Status;
@@ -236,4 +236,4 @@ TEST_F(Crew, AValidityEndsWithWhoeverSaidItByReleaseByLeavingAndByATakeOver) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::crew_test

@@ -11,7 +11,7 @@
 #include "server/net/panel.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::events_test {
 namespace {
 
 using client::Status;
@@ -357,4 +357,4 @@ TEST_F(Events, AServerTakesSoManyBookmarksAndNoMore) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::events_test

@@ -6,7 +6,7 @@
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 
-namespace obliq::test {
+namespace obliq::test::exercise_log_test {
 namespace {
 
 using net::ExerciseLog;
@@ -73,4 +73,4 @@ TEST(EventsOfALog, AreNotPushedOutByTargetsThatComeAndGo) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::exercise_log_test

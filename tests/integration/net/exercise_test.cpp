@@ -7,7 +7,7 @@
 #include "server/net/panel.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::exercise_test {
 namespace {
 
 using client::Status;
@@ -187,4 +187,4 @@ TEST_F(ExerciseTest, AStateThatIsLoadedInATotalFreezeIsShownAsAStill) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::exercise_test

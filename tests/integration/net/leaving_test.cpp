@@ -18,7 +18,7 @@
 #include "tests/integration/net_fixture.h"
 #include "tests/support/loopback.h"
 
-namespace obliq::test {
+namespace obliq::test::leaving_test {
 namespace {
 
 using net::Transport;
@@ -350,4 +350,4 @@ TEST(Exposure, OffLoopbackAPortNeedsProtectionOrAPlainWord) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::leaving_test

@@ -16,7 +16,7 @@
 #include "tests/support/loopback.h"
 #include "tests/support/radar_settings.h"
 
-namespace obliq::test {
+namespace obliq::test::limits_test {
 namespace {
 
 using client::Outcome;
@@ -354,4 +354,4 @@ TEST(RequestLimits, AMessageLongerThanAllowedIsRefused) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::limits_test

@@ -9,7 +9,7 @@
 #include "server/net/panel.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::motion_test {
 namespace {
 
 wire::Pose at_latitude(double latitude_deg) {
@@ -156,4 +156,4 @@ TEST(MotionOfTheConsole, AVelocityIsSetAndEndsWithAPlace) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::motion_test

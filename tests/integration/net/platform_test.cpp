@@ -9,7 +9,7 @@
 #include "server/net/server.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::platform_test {
 namespace {
 
 using client::Status;
@@ -305,4 +305,4 @@ TEST_F(Ship, TheConsoleTurnsARidersAntennaAndDoesNotMoveIt) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::platform_test

@@ -8,7 +8,7 @@
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::query_test {
 namespace {
 
 using client::Outcome;
@@ -345,4 +345,4 @@ TEST(RenderOnce, AClientsFramesComeOneAfterTheOtherInTheOrderOfItsRequests) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::query_test

@@ -14,7 +14,7 @@
 #include "tests/integration/net_fixture.h"
 #include "tests/support/captured_log.h"
 
-namespace obliq::test {
+namespace obliq::test::roles_test {
 namespace {
 
 using client::Outcome;
@@ -375,4 +375,4 @@ TEST(Visits, WhoWatchesOrFliesIsToldWhenHeComesAndWhenHeGoes) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::roles_test

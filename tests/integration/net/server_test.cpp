@@ -4,7 +4,7 @@
 #include "proto/obliq.pb.h"
 #include "tests/integration/net_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::server_test {
 namespace {
 
 using client::FrameAssembler;
@@ -318,4 +318,4 @@ TEST(Server, TellsItsStatus) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::server_test

@@ -14,7 +14,7 @@
 #include "tests/support/loopback.h"
 #include "tests/support/process_memory.h"
 
-namespace obliq::test {
+namespace obliq::test::stream_test {
 namespace {
 
 using client::FrameAssembler;
@@ -346,4 +346,4 @@ TEST(Crowd, WhoTakesNothingIsDroppedInTheEnd) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::stream_test

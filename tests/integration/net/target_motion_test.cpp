@@ -6,7 +6,7 @@
 #include "proto/obliq.pb.h"
 #include "tests/integration/net/targets_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::target_motion_test {
 namespace {
 
 using client::AssembledFrame;
@@ -245,4 +245,4 @@ TEST_F(NetTargets, OfARequestThatEndsInItsMiddleAreForgotten) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::target_motion_test

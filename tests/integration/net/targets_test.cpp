@@ -8,7 +8,7 @@
 #include "proto/obliq.pb.h"
 #include "tests/integration/net/targets_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::targets_test {
 namespace {
 
 using client::AssembledFrame;
@@ -243,4 +243,4 @@ TEST_F(NetTargets, WithMistakesChangeNothing) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::targets_test

@@ -12,7 +12,7 @@
 #include "tests/integration/net_fixture.h"
 #include "tests/integration/test_certificate.h"
 
-namespace obliq::test {
+namespace obliq::test::tls_test {
 namespace {
 
 using client::Outcome;
@@ -259,4 +259,4 @@ TEST_F(TlsTest, WhatIsWrongWithTheFilesIsSaidWithTheirNames) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::tls_test

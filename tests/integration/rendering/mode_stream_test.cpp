@@ -19,7 +19,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::mode_stream_test {
 namespace {
 
 PoseSettings flight() {
@@ -219,4 +219,4 @@ TEST(ModeStream, TheConsolesRegistersSetModesLive) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::mode_stream_test

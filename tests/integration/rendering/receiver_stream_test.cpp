@@ -17,7 +17,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::receiver_stream_test {
 namespace {
 
 using client::FrameAssembler;
@@ -228,4 +228,4 @@ TEST_F(ReceiverStream, OtherBitsAreRefused) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::receiver_stream_test

@@ -9,7 +9,7 @@
 #include "tests/integration/net_fixture.h"
 #include "tests/integration/rendering/render_listener.h"
 
-namespace obliq::test {
+namespace obliq::test::render_scan_test {
 namespace {
 
 using Time = std::chrono::steady_clock::time_point;
@@ -242,4 +242,4 @@ TEST_F(ScanTest, ADwellThatCannotBeRenderedEndsThePassAndIsTriedAgainWhenThePose
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::render_scan_test

@@ -12,7 +12,7 @@
 #include "server/rendering/scene_renderer.h"
 #include "tests/support/scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::render_turns_test {
 namespace {
 
 using Time = std::chrono::steady_clock::time_point;
@@ -248,4 +248,4 @@ TEST_F(Turns, ALongFrameOfOneRadarGivesWayInItsMiddleToShortOnesOfAnother) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::render_turns_test

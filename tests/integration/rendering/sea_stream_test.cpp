@@ -11,7 +11,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::sea_stream_test {
 namespace {
 
 std::shared_ptr<const Scene> sea() {
@@ -99,4 +99,4 @@ TEST(SeaStream, AStateChangedLiveIsInTheFramesThatFollow) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::sea_stream_test

@@ -17,7 +17,7 @@
 #include "server/scene/embree_tracer.h"
 #include "tests/integration/session/session_script.h"
 
-namespace obliq::test {
+namespace obliq::test::session_bytes_test {
 namespace {
 
 TEST(SessionBytes, AreThoseRecorded) {
@@ -40,4 +40,4 @@ TEST(WebSocketSession, IsThatOfTcp) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::session_bytes_test

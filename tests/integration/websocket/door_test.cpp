@@ -9,7 +9,7 @@
 #include "tests/integration/test_certificate.h"
 #include "tests/integration/web_server.h"
 
-namespace obliq::test {
+namespace obliq::test::door_test {
 namespace {
 
 using nlohmann::json;
@@ -252,4 +252,4 @@ TEST(WebSocketDoor, WhileTheDaemonLoadsItIsRefusedWithTheStage) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::door_test

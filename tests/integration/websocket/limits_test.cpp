@@ -16,7 +16,7 @@
 #include "tests/integration/web_server.h"
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::limits_test {
 namespace {
 
 using wire::ErrorNumber;
@@ -141,4 +141,4 @@ TEST_F(RecordTest, WebSocketReplayShowsTheRecordedBytesToSeveral) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::limits_test

@@ -15,7 +15,7 @@
 #include "terrain/base/errors.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::sampling_case_test {
 namespace {
 
 RadarSettings few_bins() {
@@ -362,4 +362,4 @@ TEST(SamplingLadder, NothingComparedMeetsNoLimit) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sampling_case_test

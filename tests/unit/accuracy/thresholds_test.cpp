@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace obliq {
+namespace obliq::thresholds_test {
 namespace {
 
 /// Contrast (standard deviation over mean of the intensity) of the sum of n phasors of one length and random
@@ -123,4 +123,4 @@ TEST(Thresholds, PhasorsOfOneLengthReachFullContrastSlowly) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::thresholds_test

@@ -11,7 +11,7 @@
 #include "server/asterix/paced_sender.h"
 #include "terrain/base/errors.h"
 #include "tests/support/loopback.h"
-namespace obliq::asterix {
+namespace obliq::asterix::cat240_records_test {
 namespace {
 
 std::string hex(std::span<const std::byte> bytes) {
@@ -360,4 +360,4 @@ TEST(Cat240Sender, AMulticastGroupOnTheLoopbackIsHeard) {
 }
 
 }  // namespace
-}  // namespace obliq::asterix
+}  // namespace obliq::asterix::cat240_records_test

@@ -14,7 +14,7 @@
 #include "tests/support/loopback.h"
 #include "tests/unit/stream/encoder_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::frame_assembler_test {
 namespace {
 
 using namespace net;
@@ -275,4 +275,4 @@ TEST(Exposure, LoopbackInIPv6ClothesIsLoopback) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::frame_assembler_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::recording_search_test {
 namespace {
 
 constexpr std::int64_t kStep_ns = 100'000'000;
@@ -116,4 +116,4 @@ TEST_F(RecordingSearchTest, WhatIsNoRecordingIsRefused) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::recording_search_test

@@ -18,7 +18,7 @@
 #include "server/stream/frame_encoder.h"
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::recording_test {
 namespace {
 
 using client::RecordedFrames;
@@ -378,4 +378,4 @@ TEST_F(RecordingFile, ThatMayGrowNoFurtherEndsWithItsLastWholeMessage) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::recording_test

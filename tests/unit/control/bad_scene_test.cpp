@@ -10,7 +10,7 @@
 #include "server/control/sections/section.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::bad_scene_test {
 namespace {
 
 using BadSceneFile = SceneFile;
@@ -287,4 +287,4 @@ TEST_F(BadSceneFile, APassOfLessThanTenMillisecondsIsRefused) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::bad_scene_test

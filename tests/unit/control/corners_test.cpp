@@ -6,7 +6,7 @@
 #include "server/control/sections/materials.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::corners_test {
 namespace {
 
 const std::string kTwoSources =
@@ -65,4 +65,4 @@ TEST_F(SceneFile, PermittivityIsTwoNumbersWithoutSigns) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::corners_test

@@ -8,7 +8,7 @@
 #include "server/radar/doppler/doppler_warnings.h"
 #include "tests/support/target_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::doppler_test {
 namespace {
 
 RadarSettings valid(RadarMode mode) {
@@ -202,4 +202,4 @@ TEST(DopplerWarnings, NameWhatAMapCannotShow) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::doppler_test

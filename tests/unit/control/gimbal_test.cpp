@@ -9,7 +9,7 @@
 #include "server/control/mount.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::gimbal_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -182,4 +182,4 @@ TEST_F(GimbalInASceneFile, IsReadAndItsMistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::gimbal_test

@@ -17,7 +17,7 @@
 #include "server/control/parameter_reference.h"
 #include "server/control/sections/section.h"
 
-namespace obliq {
+namespace obliq::parameters_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -284,4 +284,4 @@ TEST(Validate, AcceptsExactlyWhatIsInsideAllLimits) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::parameters_test

@@ -9,7 +9,7 @@
 #include "server/control/settings_message.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::planes_test {
 namespace {
 
 class Planes : public SceneFile {
@@ -151,4 +151,4 @@ TEST(PlanesOfRequests, ARequestOfWholeSettingsArrivesAtTheSame) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::planes_test

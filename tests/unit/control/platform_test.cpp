@@ -7,7 +7,7 @@
 #include "server/control/mount.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::platform_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -144,4 +144,4 @@ TEST_F(Platforms, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::platform_test

@@ -10,7 +10,7 @@
 #include "server/control/scene_file.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::presets_test {
 namespace {
 
 class Presets : public SceneFile {
@@ -162,4 +162,4 @@ TEST_F(Presets, ArePrintedAsTheyAreWithTheirSources) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::presets_test

@@ -12,7 +12,7 @@
 #include "server/control/sections/section.h"
 #include "server/control/sections/sources.h"
 
-namespace obliq {
+namespace obliq::print_config_test {
 namespace {
 
 std::filesystem::path write(const std::string& text, const std::string& folder) {
@@ -220,4 +220,4 @@ TEST(Materials, ShippedOnesHaveTheirFixedPlaces) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::print_config_test

@@ -22,7 +22,7 @@
 #include "terrain/base/process.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::quality_test {
 namespace {
 
 class Quality : public SceneFile {
@@ -316,4 +316,4 @@ TEST(ProcessMemory, ThePeakOfTheParentIsNotThatOfItsChild) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::quality_test

@@ -11,7 +11,7 @@
 #include "tests/unit/control/scene_file_fixture.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::scene_file_test {
 namespace {
 
 TEST_F(SceneFile, NeedsNothingButTerrainAndIsSweptThen) {
@@ -341,4 +341,4 @@ material = "urban"
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::scene_file_test

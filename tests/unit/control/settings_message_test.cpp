@@ -12,7 +12,7 @@
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 
-namespace obliq {
+namespace obliq::settings_message_test {
 namespace {
 
 /// Another value within the limits than the parameter has there: the end of its type or limits that is
@@ -198,4 +198,4 @@ TEST(SettingsStore, NoUpdateIsLostBetweenThreads) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::settings_message_test

@@ -6,7 +6,7 @@
 #include "server/control/target_message.h"
 #include "tests/unit/control/scene_file_fixture.h"
 
-namespace obliq {
+namespace obliq::targets_test {
 namespace {
 
 const std::string kShip =
@@ -92,4 +92,4 @@ TEST_F(Targets, WithMistakesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::targets_test

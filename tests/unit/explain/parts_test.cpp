@@ -13,7 +13,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::parts_test {
 namespace {
 
 TEST(PowerChange, CountsWhatMovesWhatGoesAndWhatComes) {
@@ -243,4 +243,4 @@ TEST(RasterRows, SayWhatRastersOfGammaHold) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::parts_test

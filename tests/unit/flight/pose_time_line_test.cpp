@@ -7,7 +7,7 @@
 #include "server/control/scene_file.h"
 #include "server/flight/window.h"
 
-namespace obliq::test {
+namespace obliq::test::pose_time_line_test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -324,4 +324,4 @@ TEST(FlightWindow, PostsAreThoseOfTheRectangleAroundAllReaches) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::pose_time_line_test

@@ -12,7 +12,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq::test {
+namespace obliq::test::scene_keeper_test {
 namespace {
 
 constexpr double kRMax_m = 20000;
@@ -326,4 +326,4 @@ TEST(SceneKeeper, StoppingAnswersWhatWaits) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::scene_keeper_test

@@ -7,7 +7,7 @@
 
 #include "server/flight/pose_time_line.h"
 
-namespace obliq::test {
+namespace obliq::test::time_rate_test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -105,4 +105,4 @@ TEST(PoseTimeLine, WhatIsShownNeverRunsBackwardsWhenTheRateChanges) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::time_rate_test

@@ -6,7 +6,7 @@
 
 #include "server/flight/pose_time_line.h"
 
-namespace obliq::test {
+namespace obliq::test::velocity_test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -169,4 +169,4 @@ TEST(Attitude, GoesEvenlyFromPoseToPose) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::velocity_test

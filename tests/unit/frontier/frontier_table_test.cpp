@@ -12,7 +12,7 @@
 #include "terrain/base/errors.h"
 #include "terrain/base/text.h"
 
-namespace obliq {
+namespace obliq::frontier_table_test {
 namespace {
 
 class Frontier : public testing::Test {
@@ -193,4 +193,4 @@ TEST(LogAxes, SpanTheirValuesAndLabelDecades) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::frontier_table_test

@@ -10,7 +10,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::ground_query_test {
 namespace {
 
 using wire::GroundState;
@@ -296,4 +296,4 @@ TEST(GroundQueries, ClientsTakeTurnsAndOneThatLeavesIsForgotten) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::ground_query_test

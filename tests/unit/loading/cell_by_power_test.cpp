@@ -19,7 +19,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq::test {
+namespace obliq::test::cell_by_power_test {
 namespace {
 
 using test::Folder;
@@ -338,4 +338,4 @@ TEST_F(MemoryLimit, IsNoneWhereTheSystemDoesNotSay) {
 TEST_F(MemoryLimit, OfThisMachineIsKnown) { EXPECT_GT(memory_there_is_bytes(), 100'000'000); }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::cell_by_power_test

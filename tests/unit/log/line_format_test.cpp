@@ -11,7 +11,7 @@
 
 #include "server/log/service_log.h"
 
-namespace obliq::test {
+namespace obliq::test::line_format_test {
 namespace {
 
 using std::chrono::system_clock;
@@ -124,4 +124,4 @@ TEST(ServiceLog, WhatAPeerCausesInMassesIsBoundedAndCounted) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::line_format_test

@@ -12,7 +12,7 @@
 #include "server/modbus/request.h"
 #include "server/security/networks.h"
 
-namespace obliq::modbus {
+namespace obliq::modbus::register_map_test {
 namespace {
 
 using Words = std::vector<std::uint16_t>;
@@ -133,4 +133,4 @@ TEST(Networks, LoopbackIsToldFromElsewhere) {
 }
 
 }  // namespace
-}  // namespace obliq::modbus
+}  // namespace obliq::modbus::register_map_test

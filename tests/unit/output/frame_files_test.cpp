@@ -33,7 +33,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/output/frame_files_fixture.h"
 
-namespace obliq {
+namespace obliq::frame_files_test {
 namespace {
 
 std::string python_with_numpy() {
@@ -360,4 +360,4 @@ TEST(ProtocolDocument, PicturesPlaceTheWorkedBinThere) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::frame_files_test

@@ -19,7 +19,7 @@
 #include "terrain/height_grid.h"
 #include "tests/unit/output/frame_files_fixture.h"
 
-namespace obliq {
+namespace obliq::ground_map_test {
 namespace {
 
 wire::FrameDescriptor flat_descriptor() {
@@ -330,4 +330,4 @@ TEST_F(FrameFilesTest, WordsOverTheBrightestGroundStandOnDarkPlates) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::ground_map_test

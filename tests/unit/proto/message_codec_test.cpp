@@ -18,7 +18,7 @@
 #include "proto/plane.h"
 #include "tests/support/page_block.h"
 
-namespace obliq::wire {
+namespace obliq::wire::message_codec_test {
 namespace {
 
 Bytes sample_message(std::size_t plane_bytes = 12) {
@@ -222,4 +222,4 @@ TEST(MessageHeader, SaysWhatWasFoundAndWhatIsAllowed) {
 }
 
 }  // namespace
-}  // namespace obliq::wire
+}  // namespace obliq::wire::message_codec_test

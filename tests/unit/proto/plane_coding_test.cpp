@@ -12,7 +12,7 @@
 #include "proto/limits.h"
 #include "proto/obliq.pb.h"
 
-namespace obliq::wire {
+namespace obliq::wire::plane_coding_test {
 namespace {
 
 using Complex = std::complex<float>;
@@ -175,4 +175,4 @@ TEST(BinWindow, IsCutToItsFrame) {
 }
 
 }  // namespace
-}  // namespace obliq::wire
+}  // namespace obliq::wire::plane_coding_test

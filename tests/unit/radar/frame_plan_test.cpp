@@ -15,7 +15,7 @@
 #include "terrain/buildings/footprints.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::frame_plan_test {
 namespace {
 
 class PlanTest : public testing::Test {
@@ -354,4 +354,4 @@ TEST(AimedPixels, HaveTheSameRaysInEveryInstructionSet) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::frame_plan_test

@@ -22,7 +22,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"
 
-namespace obliq::test {
+namespace obliq::test::wedge_work_test {
 namespace {
 
 /// All pixels in one bin.
@@ -229,4 +229,4 @@ INSTANTIATE_TEST_SUITE_P(Sources, StagesOf, testing::ValuesIn(kEverySource),
                          source_name<testing::TestParamInfo<NamedSource>>);
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::wedge_work_test

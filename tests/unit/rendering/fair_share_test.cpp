@@ -8,7 +8,7 @@
 
 #include "server/rendering/scan_schedule.h"
 
-namespace obliq::test {
+namespace obliq::test::fair_share_test {
 namespace {
 
 using namespace rendering;
@@ -304,4 +304,4 @@ TEST(ScanSchedule, AFastAntennaMayLagAQuarterOfItsTurn) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::fair_share_test

@@ -13,7 +13,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::frame_cache_test {
 namespace {
 
 constexpr AzimuthRange kAll{0, 32};
@@ -301,4 +301,4 @@ TEST(SceneRenderer, WhatCannotBePlannedBuildsNothing) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::frame_cache_test

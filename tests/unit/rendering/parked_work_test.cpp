@@ -20,7 +20,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"
 
-namespace obliq::test {
+namespace obliq::test::parked_work_test {
 namespace {
 
 using namespace rendering;
@@ -322,4 +322,4 @@ TEST(ABatch, IsAtMostAColumnOfTheSweep) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::parked_work_test

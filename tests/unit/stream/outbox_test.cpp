@@ -5,7 +5,7 @@
 
 #include "proto/obliq.pb.h"
 
-namespace obliq::net {
+namespace obliq::net::outbox_test {
 namespace {
 
 using wire::MessageType;
@@ -322,4 +322,4 @@ TEST(Outbox, TakesOnlyBlocksOfItsOwnEncodingAndWindow) {
 }
 
 }  // namespace
-}  // namespace obliq::net
+}  // namespace obliq::net::outbox_test

@@ -13,7 +13,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/unit/stream/encoder_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::windows_test {
 namespace {
 
 using namespace net;
@@ -378,4 +378,4 @@ TEST(FrameAssembler, AnAbortedFrameGivesWayToTheNext) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::windows_test

@@ -12,7 +12,7 @@
 #include "terrain/polygon.h"
 #include "tests/unit/terrain_outlines.h"
 
-namespace obliq {
+namespace obliq::limits_test {
 namespace {
 
 using test::Folder;
@@ -380,4 +380,4 @@ TEST(HeightText, RefusesWhatIsNoHeight) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::limits_test

@@ -9,7 +9,7 @@
 
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::world_sum_test {
 namespace {
 
 using test::Folder;
@@ -125,4 +125,4 @@ TEST_F(WorldSum, MadeUpGroundIsAnchored) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::world_sum_test

@@ -17,7 +17,7 @@
 #include "server/websocket/json_reader.h"
 #include "tests/integration/web_peer.h"
 
-namespace obliq::websocket {
+namespace obliq::websocket::json_message_test {
 namespace {
 
 using google::protobuf::FieldDescriptor;
@@ -336,4 +336,4 @@ TEST(WebSocketTranslation, TheMessageInTheProtocolsPageIsWhatTheServerSends) {
 }
 
 }  // namespace
-}  // namespace obliq::websocket
+}  // namespace obliq::websocket::json_message_test

@@ -14,7 +14,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::beam_statistics_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -367,4 +367,4 @@ TEST(EchoSums, HasTheSameBitsWithAllInstructionSets) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::beam_statistics_test

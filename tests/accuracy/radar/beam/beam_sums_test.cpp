@@ -14,7 +14,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::beam_sums_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -376,4 +376,4 @@ TEST(BeamSums, PowerAndGainScaleTheBinsHoweverSmall) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::beam_sums_test

@@ -11,7 +11,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::mountain_beam_test {
 namespace {
 
 struct Mountains {
@@ -134,4 +134,4 @@ INSTANTIATE_TEST_SUITE_P(RealGround, BeamOver,
                                                    5500, 0, 4500, 22'000, 0.13, 1.9}));
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::mountain_beam_test

@@ -11,7 +11,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::wide_bins_test {
 namespace {
 
 /// Twelve bins of 5 degrees, ten narrow ones each.
@@ -196,4 +196,4 @@ TEST(WideBins, OfExactPlanesAndCamerasAreNotDivided) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::wide_bins_test

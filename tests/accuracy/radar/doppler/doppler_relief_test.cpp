@@ -8,7 +8,7 @@
 
 #include "tests/support/target_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::doppler_relief_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -112,4 +112,4 @@ TEST(DopplerOverRelief, OfWallsAtOneRangeIsTheirOwn) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::doppler_relief_test

@@ -13,7 +13,7 @@
 #include "tests/support/figures.h"
 #include "tests/support/target_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::doppler_rows_test {
 namespace {
 
 constexpr double kBeam_deg = 3;
@@ -122,4 +122,4 @@ TEST_F(RowsOfABeam, AreThreeMoreThanItsCellsForAReason) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::doppler_rows_test

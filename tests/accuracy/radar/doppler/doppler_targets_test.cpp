@@ -9,7 +9,7 @@
 
 #include "tests/support/target_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::doppler_targets_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -133,4 +133,4 @@ TEST(DopplerOfTargets, InAnImageOfSyntheticApertureAreAsNarrowAsItsResolution) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::doppler_targets_test

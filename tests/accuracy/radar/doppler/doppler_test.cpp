@@ -14,7 +14,7 @@
 #include "tests/support/doppler_scenes.h"
 #include "tests/support/same_bits.h"
 
-namespace obliq::test {
+namespace obliq::test::doppler_test {
 namespace {
 
 RadarSettings radar(RadarMode mode) {
@@ -297,4 +297,4 @@ TEST_F(OverLevelGround, WithoutVelocityAModeIsThatOfAnAntennaThatStands) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::doppler_test

@@ -13,7 +13,7 @@
 #include "server/radar/doppler/spread_response.h"
 #include "tests/support/doppler_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::sea_image_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -187,4 +187,4 @@ TEST(SpreadResponseOfAnAperture, IsThatOfOneFrequencyWithoutSpread) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::sea_image_test

@@ -17,7 +17,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/train_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::sea_motion_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -262,4 +262,4 @@ TEST_F(SeaMotionTest, IsInTrainsOfPulses) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::sea_motion_test

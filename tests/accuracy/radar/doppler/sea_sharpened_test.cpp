@@ -14,7 +14,7 @@
 #include "tests/support/doppler_scenes.h"
 #include "tests/support/same_bits.h"
 
-namespace obliq::test {
+namespace obliq::test::sea_sharpened_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -276,4 +276,4 @@ TEST_F(SeaSharpened, HasTheSameBitsOnAnyNumberOfThreadsInAnyPartsAndWithAnyInstr
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::sea_sharpened_test

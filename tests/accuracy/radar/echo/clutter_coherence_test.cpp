@@ -20,7 +20,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"
 
-namespace obliq {
+namespace obliq::clutter_coherence_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -324,4 +324,4 @@ INSTANTIATE_TEST_SUITE_P(Samplings, CoherenceOfClutter, testing::ValuesIn(kMoved
                          test::source_name<testing::TestParamInfo<MovedCase>>);
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::clutter_coherence_test

@@ -7,18 +7,18 @@
 #include "server/radar/echo/speckle.h"
 #include "tests/accuracy/radar/echo/corners_support.h"
 
-namespace obliq {
+namespace obliq::corners_places_test {
 namespace {
 
+using test::CornerWay;
 using test::House;
 using test::kPi;
 using test::total;
-using test::Way;
 
-constexpr Way kExact{"exact", FrustumKind::sweep, 0, 1e-3};
-constexpr Way kColumns{"sub-columns", FrustumKind::sweep, 64, 1e-3};
-constexpr Way kRays{"rays", FrustumKind::oblique, 0, 0.05};
-constexpr Way kWays[] = {kExact, kColumns, kRays};
+constexpr CornerWay kExact{"exact", FrustumKind::sweep, 0, 1e-3};
+constexpr CornerWay kColumns{"sub-columns", FrustumKind::sweep, 64, 1e-3};
+constexpr CornerWay kRays{"rays", FrustumKind::oblique, 0, 0.05};
+constexpr CornerWay kWays[] = {kExact, kColumns, kRays};
 
 /// So near that the sweep looks at it by strips (NearView).
 House near_house() {
@@ -35,7 +35,7 @@ World with_wall_before(const House& house, double before_m, double height_m) {
 }
 
 TEST(CornerPlaces, HiddenFootHasNone) {
-  for (const Way& way : kWays) {
+  for (const CornerWay& way : kWays) {
     for (const House& house : {House{}, near_house()}) {
       SCOPED_TRACE(way.name + std::string(" ") + std::to_string(house.distance_m));
       const RadarSettings s = test::corner_settings(house, way);
@@ -55,7 +55,7 @@ TEST(CornerPlaces, HiddenFootHasNone) {
 
 TEST(CornerPlaces, ShadowBeforeTheFootShortensTheStrip) {
   // A wall of 4 m throws 11 m of shadow; its roof's far edge stands 22 m before the foot: 11 m are lit of 22.
-  for (const Way& way : kWays) {
+  for (const CornerWay& way : kWays) {
     for (const House& house : {House{}, near_house()}) {
       SCOPED_TRACE(way.name + std::string(" ") + std::to_string(house.distance_m));
       const double tangent = std::tan(house.grazing_deg * kPi / 180);
@@ -80,7 +80,7 @@ TEST(CornerPlaces, ShadowBeforeTheFootShortensTheStrip) {
 }
 
 TEST(CornerPlaces, PeaksAtTheFootsRangeBehindTheRoofsLayover) {
-  for (const Way& way : kWays) {
+  for (const CornerWay& way : kWays) {
     SCOPED_TRACE(way.name);
     const House house;
     RadarSettings s = test::corner_settings(house, way);
@@ -102,7 +102,7 @@ TEST(CornerPlaces, PeaksAtTheFootsRangeBehindTheRoofsLayover) {
 }
 
 TEST(CornerPlaces, PhaseFollowsTheFootOverACentimetre) {
-  for (const Way& way : {kExact, kColumns}) {
+  for (const CornerWay& way : {kExact, kColumns}) {
     for (const House& house : {House{}}) {
       SCOPED_TRACE(way.name);
       RadarSettings s = test::corner_settings(house, way, 500);
@@ -155,7 +155,7 @@ TEST(CornerPlaces, OtherPhaseThanTheWalls) {
 
 TEST(CornerPlaces, SumOverRangeBinsDoesNotDependOnThem) {
   // A wall aslant that passes through the edges of bins of 2 m, and of 50 m.
-  for (const Way& way : {kExact, kColumns}) {
+  for (const CornerWay& way : {kExact, kColumns}) {
     House house;
     house.heading_deg = 5;
     RadarSettings s = test::corner_settings(house, way);
@@ -189,7 +189,7 @@ TEST(CornerPlaces, AwkwardWallsAreFiniteAndTheSameForAnyThreads) {
   const auto scene = test::make_scene(std::move(world), materials);
   bool any = false;
   for (const double height_m : {1.0, 20.0, 300.0, 2500.0}) {
-    for (const Way& way : {kExact, kColumns}) {
+    for (const CornerWay& way : {kExact, kColumns}) {
       RadarSettings s = test::radar_settings(FrustumKind::sweep, {10, 3500, 60}, {120, 500});
       s.pixel_columns = 240;
       s.sub_columns = way.sub_columns;
@@ -230,4 +230,4 @@ TEST(CornerPlaces, FramesWithoutHousesKeepTheirBits) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::corners_places_test

@@ -2,18 +2,17 @@
 // One house on even ground and an antenna that sees it at a grazing angle, for tests of corners.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <vector>
 
 #include "server/radar/frame_plan.h"
 #include "server/radar/render.h"
 #include "tests/support/made_worlds.h"
+#include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 
 namespace obliq::test {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLength_m = 20, kHeight_m = 8;
 
 inline double db(double ratio) { return 10 * std::log10(ratio); }
@@ -59,14 +58,14 @@ struct House {
 };
 
 /// One way of sampling, and how near it comes to the oracle.
-struct Way {
+struct CornerWay {
   const char* name;
   FrustumKind frustum;
   int sub_columns;
   double tolerance;
 };
 
-inline RadarSettings corner_settings(const House& house, const Way& way, double half_swath_m = 150) {
+inline RadarSettings corner_settings(const House& house, const CornerWay& way, double half_swath_m = 150) {
   const double range_m = house.distance_m / std::cos(house.grazing_deg * kPi / 180);
   RadarSettings s = radar_settings(way.frustum, {range_m - half_swath_m, range_m + half_swath_m, 1},
                                    {8, static_cast<int>(half_swath_m / 5)}, {1024, 512});
@@ -83,11 +82,5 @@ inline std::vector<double> corner_powers(const World& world, const House& house,
 }
 
 inline double total(const std::vector<double>& w) { return std::accumulate(w.begin(), w.end(), 0.0); }
-
-/// K of the radar equation.
-inline double radar_constant(const RadarSettings& s) {
-  const double wavelength = 299792458.0 / (s.frequency_ghz * 1e9);
-  return s.power_w * wavelength * wavelength / std::pow(4 * kPi, 3);
-}
 
 }  // namespace obliq::test

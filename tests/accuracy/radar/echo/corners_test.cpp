@@ -17,13 +17,13 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::corners_test {
 namespace {
 
+using test::CornerWay;
 using test::House;
 using test::kPi;
 using test::total;
-using test::Way;
 
 double reference_total(const World& world, const House& house, const RadarSettings& s) {
   const auto scene = test::make_scene(world, test::corner_materials());
@@ -54,9 +54,9 @@ test::CornerOracle oracle(const World& world, const House& house, bool vertical 
           vertical};
 }
 
-constexpr Way kWays[] = {{"exact", FrustumKind::sweep, 0, 1e-3},
-                         {"sub-columns", FrustumKind::sweep, 64, 1e-3},
-                         {"rays", FrustumKind::oblique, 0, 2e-2}};
+constexpr CornerWay kWays[] = {{"exact", FrustumKind::sweep, 0, 1e-3},
+                               {"sub-columns", FrustumKind::sweep, 64, 1e-3},
+                               {"rays", FrustumKind::oblique, 0, 2e-2}};
 
 /// What corners_table.py prints: at a grazing angle, of ground of a slope, the peak in dBsm, where half of it
 /// is left, and the mean of a house over its orientations.
@@ -195,7 +195,7 @@ TEST(Corners, TownOnHillsAgainstTheReference) {
 
 TEST(Corners, OneHouseAtTwelveHeadings) {
   for (const bool slope : {false, true}) {
-    for (const Way& way : kWays) {
+    for (const CornerWay& way : kWays) {
       for (int k = 0; k < 12; ++k) {
         House house;
         house.heading_deg = -5.5 + k;
@@ -220,4 +220,4 @@ TEST(Corners, OneHouseAtTwelveHeadings) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::corners_test

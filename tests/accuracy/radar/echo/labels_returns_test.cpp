@@ -8,7 +8,7 @@
 #include "tests/accuracy/radar/echo/labels_support.h"
 #include "tests/support/made_worlds.h"
 
-namespace obliq::test {
+namespace obliq::test::labels_returns_test {
 namespace {
 
 /// A long wall across the sight, its roof deep, on level ground.
@@ -101,4 +101,4 @@ TEST(Labels, ReturnsOfASweptTownAreThoseOfExactPlanes) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::labels_returns_test

@@ -15,7 +15,7 @@
 #include "tests/accuracy/radar/echo/labels_support.h"
 #include "tests/support/made_worlds.h"
 
-namespace obliq::test {
+namespace obliq::test::labels_test {
 namespace {
 
 class LabelsOf : public testing::TestWithParam<Way> {};
@@ -275,4 +275,4 @@ TEST(Labels, HeightIsThatOfTheReferenceRenderer) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::labels_test

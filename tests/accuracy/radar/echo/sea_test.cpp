@@ -12,7 +12,7 @@
 #include "tests/support/sane_frames.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::sea_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -311,4 +311,4 @@ TEST(Sea, IsFiniteWhereTheModelEnds) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sea_test

@@ -10,7 +10,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::sea_texture_test {
 namespace {
 
 std::shared_ptr<const Scene> level_sea(double half_m, double cell_m) {
@@ -214,4 +214,4 @@ TEST(SeaTextureInBins, IsThereInAllFrustaAndOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sea_texture_test

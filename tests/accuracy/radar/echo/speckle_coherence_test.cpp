@@ -29,7 +29,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"
 
-namespace obliq {
+namespace obliq::speckle_coherence_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -383,4 +383,4 @@ INSTANTIATE_TEST_SUITE_P(Sources, DecorrelationOfEverySource, testing::ValuesIn(
                          test::source_name<testing::TestParamInfo<test::NamedSource>>);
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::speckle_coherence_test

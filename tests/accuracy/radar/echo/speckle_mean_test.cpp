@@ -11,7 +11,7 @@
 #include "server/radar/render.h"
 #include "tests/support/scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::speckle_mean_test {
 namespace {
 
 constexpr double kTolerance = 0.002;
@@ -68,4 +68,4 @@ TEST(SpeckleMean, AtTheEdgesOfASectorIsThePower) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::speckle_mean_test

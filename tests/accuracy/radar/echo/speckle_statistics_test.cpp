@@ -14,7 +14,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/sources.h"
 
-namespace obliq {
+namespace obliq::speckle_statistics_test {
 namespace {
 
 Frame frame_of(const std::shared_ptr<const Scene>& scene, const RadarSettings& settings, double height_m) {
@@ -303,4 +303,4 @@ INSTANTIATE_TEST_SUITE_P(Sources, SpeckleOfEverySource, testing::ValuesIn(test::
                          test::source_name<testing::TestParamInfo<test::NamedSource>>);
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::speckle_statistics_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/train_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::pulses_targets_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -226,4 +226,4 @@ TEST(PulsesOfTargets, HaveTheBeamsArcOfAnAntennaThatTurns) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::pulses_targets_test

@@ -13,7 +13,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "tests/support/train_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::pulses_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -365,4 +365,4 @@ TEST(Pulses, OfHardCasesAreFiniteAndTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::pulses_test

@@ -22,7 +22,7 @@
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::frustum_test {
 namespace {
 
 constexpr double kDegree_rad = std::numbers::pi / 180;
@@ -320,4 +320,4 @@ TEST(MarchedRays, OfTheSymmetricFrustumMeetWhatTheirOwnWalksMeet) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::frustum_test

@@ -17,7 +17,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::plates_test {
 namespace {
 
 constexpr FrustumKind kKinds[] = {FrustumKind::symmetric, FrustumKind::oblique};
@@ -166,4 +166,4 @@ TEST(Plates, AreCloserToTheTruthThanTheNearestBin) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::plates_test

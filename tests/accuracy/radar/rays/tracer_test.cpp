@@ -16,7 +16,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::tracer_test {
 namespace {
 
 /// Every hit of a frame by pixel.
@@ -200,4 +200,4 @@ TEST(IndependentTracer, FindsTheSameTriangleAndRangeInLosAngelesToThirtySevenKil
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::tracer_test

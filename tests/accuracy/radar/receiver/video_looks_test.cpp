@@ -15,7 +15,7 @@
 #include "server/radar/receiver/receiver.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::video_looks_test {
 namespace {
 
 constexpr double kFloor_db = -260;
@@ -272,4 +272,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, XBand,
                          [](const auto& test) { return test.param.scene; });
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::video_looks_test

@@ -8,7 +8,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::divided_faces_test {
 namespace {
 
 constexpr double kRange_m = 1000;
@@ -107,4 +107,4 @@ TEST(DividedFaces, AreOneScattererBehindABeamAndAPulse) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::divided_faces_test

@@ -7,7 +7,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::long_shadow_test {
 namespace {
 
 /// Level ground to 20 km, and a house 100 m tall across all of the sector, 1,600 m away.
@@ -43,4 +43,4 @@ TEST(LongShadow, OfAHouseAboveTheAntennaIsDarkToItsEnd) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::long_shadow_test

@@ -10,7 +10,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::street_test {
 namespace {
 
 /// Houses of 20 to 60 m on both sides of a street that runs north from 20 to 300 m, and behind them, over
@@ -78,4 +78,4 @@ TEST(Street, IsAsGoodAsWithAPlaneForEachHouse) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::street_test

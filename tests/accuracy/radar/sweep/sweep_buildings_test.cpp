@@ -13,7 +13,7 @@
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::sweep_buildings_test {
 namespace {
 
 struct Tally {
@@ -141,4 +141,4 @@ TEST(SweepAndTruth, AgreeOnRandomScenes) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sweep_buildings_test

@@ -15,7 +15,7 @@
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::sweep_embree_test {
 namespace {
 
 /// A visible piece between two elevations.
@@ -201,4 +201,4 @@ TEST(SweepAndEmbree, MeetTheSameTrianglesAtTheSameRangesInThousandsOfScenes) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sweep_embree_test

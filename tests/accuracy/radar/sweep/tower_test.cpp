@@ -18,7 +18,7 @@
 #include "tests/support/scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::tower_test {
 namespace {
 
 constexpr double kDegree_rad = std::numbers::pi / 180;
@@ -314,4 +314,4 @@ TEST(WallShadow, OfABuildingEndsWhereSimilarTrianglesSay) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::tower_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/target_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::targets_in_clutter_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -81,4 +81,4 @@ TEST(TargetsInClutter, OfLevelGroundHaveTheRatiosOfClosedForms) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::targets_in_clutter_test

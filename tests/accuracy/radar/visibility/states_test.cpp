@@ -12,7 +12,7 @@
 #include "tests/support/figures.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::states_test {
 namespace {
 
 constexpr double kStep_m = 0.5;
@@ -342,4 +342,4 @@ TEST(BinStates, TurnFromSampledIntoNotSampledAndNotIntoShadowWhenRaysAreDropped)
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::states_test

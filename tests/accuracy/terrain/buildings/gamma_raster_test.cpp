@@ -11,7 +11,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::gamma_raster_test {
 namespace {
 
 struct Way {
@@ -144,4 +144,4 @@ TEST(GammaRaster, OfOnesHasTheBitsOfNone) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::gamma_raster_test

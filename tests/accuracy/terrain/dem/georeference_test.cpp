@@ -13,7 +13,7 @@
 #include "tests/support/figures.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::georeference_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -265,4 +265,4 @@ TEST(GeodeticLattice, ErrsByLessThanACentimetreTo200KilometresWithNineKilometres
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::georeference_test

@@ -6,7 +6,7 @@
 
 #include "tests/integration/daemon.h"
 
-namespace obliq {
+namespace obliq::accuracy_wish_test {
 namespace {
 
 using test::text_of;
@@ -155,4 +155,4 @@ TEST_F(AccuracyWish, TheDaemonSaysWhatItChose) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::accuracy_wish_test

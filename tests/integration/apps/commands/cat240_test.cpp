@@ -13,7 +13,7 @@
 #include "tests/integration/daemon.h"
 #include "tests/support/loopback.h"
 
-namespace obliq::test {
+namespace obliq::test::cat240_test {
 namespace {
 
 /// A video or summary message, read as edition 1.3 says.
@@ -314,4 +314,4 @@ TEST_F(Cat240Command, AReplayWithoutVideoIsRefusedWithThePlanesThatItHas) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::cat240_test

@@ -11,7 +11,7 @@
 
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::command_line_test {
 namespace {
 
 std::string quoted(const std::string& argument) {
@@ -186,4 +186,4 @@ TEST_F(CommandLine, FilesThatAreNoSceneAreRefusedWithFileLineKeyAndWhatIsAllowed
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::command_line_test

@@ -7,7 +7,7 @@
 #include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::exercise_test {
 namespace {
 
 class ExerciseCommand : public ProgramTest {
@@ -125,4 +125,4 @@ TEST_F(ExerciseCommand, AServerThatReplaysHasNoExercise) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::exercise_test

@@ -7,7 +7,7 @@
 
 #include "tests/integration/daemon.h"
 
-namespace obliq {
+namespace obliq::explain_test {
 namespace {
 
 using test::Outcome;
@@ -312,4 +312,4 @@ TEST_F(Explain, OneOfSeveralRadarsIsExplained) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::explain_test

@@ -11,7 +11,7 @@
 #include "tests/integration/daemon.h"
 #include "tests/support/loopback.h"
 
-namespace obliq::test {
+namespace obliq::test::failures_test {
 namespace {
 
 using wire::MessageType;
@@ -276,4 +276,4 @@ TEST_F(CommandFailures, AFrameOfImpossibleSize) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::failures_test

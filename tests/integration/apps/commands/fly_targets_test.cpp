@@ -14,7 +14,7 @@
 #include "tests/support/loopback.h"
 #include "tests/unit/apps/dis/dis_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::fly_targets_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -276,4 +276,4 @@ TEST_F(FlyTargets, AServerThatComesBackHearsOfAllAgain) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::fly_targets_test

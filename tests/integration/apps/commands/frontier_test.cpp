@@ -12,7 +12,7 @@
 #include "tests/integration/apps/commands/csv.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq {
+namespace obliq::frontier_test {
 namespace {
 
 using test::CsvRow;
@@ -197,4 +197,4 @@ TEST_F(FrontierCommand, MaterialsWithoutATruthAreRefused) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::frontier_test

@@ -11,7 +11,7 @@
 #include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::modes_test {
 namespace {
 
 /// Four radars of one flight, north at 150 m/s, that look to the right of it.
@@ -189,4 +189,4 @@ TEST_F(ModesCommand, APoseByWhichAnImageHasNoFramesSaysSo) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::modes_test

@@ -15,7 +15,7 @@
 #include "terrain/base/text.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::picture_test {
 namespace {
 
 class PictureCommands : public ProgramTest {
@@ -342,4 +342,4 @@ TEST_F(QueryCommand, RefusesWhatItCannotAsk) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::picture_test

@@ -14,7 +14,7 @@
 #include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::set_test {
 namespace {
 
 class SetCommand : public ProgramTest {
@@ -357,4 +357,4 @@ TEST_F(Fly, APipeIsFlownAsItsLinesCome) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::set_test

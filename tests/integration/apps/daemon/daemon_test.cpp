@@ -11,7 +11,7 @@
 #include "proto/obliq.pb.h"
 #include "tests/integration/clients.h"
 
-namespace obliq::test {
+namespace obliq::test::daemon_test {
 namespace {
 
 /// Small, with shadow behind the ridge and buildings on it; two radars.
@@ -241,4 +241,4 @@ TEST_F(DaemonTest, AClientProgramLinksNeitherEmbreeNorGdal) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::daemon_test

@@ -26,7 +26,7 @@
 #include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::faults_restart_test {
 namespace {
 
 using client::FrameAssembler;
@@ -373,4 +373,4 @@ TEST_F(HalfOpen, AClientNoticesANetworkThatSwallowsEverythingAndResumes) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::faults_restart_test

@@ -20,7 +20,7 @@
 #include "tests/support/process_memory.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq::test {
+namespace obliq::test::faults_test {
 namespace {
 
 using client::FrameAssembler;
@@ -367,4 +367,4 @@ TEST_F(Faults, ClientsArePunishedForTheirOwnSilenceNotForTheDaemons) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::faults_test

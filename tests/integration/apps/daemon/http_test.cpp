@@ -14,7 +14,7 @@
 #include "tests/integration/daemon.h"
 #include "tests/integration/http_peer.h"
 
-namespace obliq::test {
+namespace obliq::test::http_test {
 namespace {
 
 const std::string kScene = text_of(SmallScene{.terrain = "synthetic = \"ridge\"\n"});
@@ -326,4 +326,4 @@ TEST_F(DaemonStreamTest, WatchTakesTheSameWishesAndLosesNothingWhereItIsToldTo) 
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::http_test

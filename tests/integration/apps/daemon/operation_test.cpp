@@ -22,7 +22,7 @@
 #include "tests/integration/daemon.h"
 #include "tests/integration/http_peer.h"
 
-namespace obliq::test {
+namespace obliq::test::operation_test {
 namespace {
 
 const std::string kScene = text_of(SmallScene{.terrain = "synthetic = \"ridge\"\n"});
@@ -277,4 +277,4 @@ TEST_F(DaemonOperation, ReadinessEndsAtTheSignalAndASecondSignalEndsItAtOnce) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::operation_test

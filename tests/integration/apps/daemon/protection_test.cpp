@@ -11,7 +11,7 @@
 #include "tests/integration/http_peer.h"
 #include "tests/integration/test_certificate.h"
 
-namespace obliq::test {
+namespace obliq::test::protection_test {
 namespace {
 
 constexpr const char* kScene = R"(
@@ -192,4 +192,4 @@ TEST_F(DaemonLimits, HoldForACommandThatRendersAsWell) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::protection_test

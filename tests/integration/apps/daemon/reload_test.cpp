@@ -13,7 +13,7 @@
 #include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 
-namespace obliq::test {
+namespace obliq::test::reload_test {
 namespace {
 
 using client::FrameAssembler;
@@ -296,4 +296,4 @@ TEST_F(Withdrawal, AFaultyTokenFileChangesNothingAndIsNamed) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::reload_test

@@ -11,7 +11,7 @@
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::control_test {
 namespace {
 
 constexpr double kStep_s = 0.1;
@@ -258,4 +258,4 @@ TEST_F(ReplayControl, ALiveServerSaysThatItIsNoReplay) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::control_test

@@ -8,7 +8,7 @@
 #include "tests/integration/clients.h"
 #include "tests/integration/record_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::labels_test {
 namespace {
 
 TEST_F(RecordTest, LabelsAreRecordedAndReplayedToFilesAndToClients) {
@@ -42,4 +42,4 @@ TEST_F(RecordTest, LabelsAreRecordedAndReplayedToFilesAndToClients) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::labels_test

@@ -12,7 +12,7 @@
 #include "tests/integration/test_certificate.h"
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::protection_test {
 namespace {
 
 using wire::ErrorNumber;
@@ -164,4 +164,4 @@ TEST_F(ReplayProtection, AHangUpReadsTheTokensAgain) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::protection_test

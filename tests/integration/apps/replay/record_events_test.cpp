@@ -11,7 +11,7 @@
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::record_events_test {
 namespace {
 
 std::vector<wire::ExerciseEvent> recorded_events(const std::string& file) {
@@ -335,4 +335,4 @@ TEST_F(RecordEvents, AViewerListsAndMayNotMark) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::record_events_test

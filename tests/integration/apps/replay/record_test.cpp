@@ -12,7 +12,7 @@
 
 #include "tests/integration/record_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::record_test {
 namespace {
 
 TEST_F(RecordTest, AnInterruptEndsTheRecordingBetweenTwoFrames) {
@@ -295,4 +295,4 @@ TEST_F(RecordTest, TheTrackOfAScanningAntennaHasAPoseForEachDwellThatMoved) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::record_test

@@ -11,7 +11,7 @@
 #include "tests/integration/daemon.h"
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::replay_player_test {
 namespace {
 
 constexpr int kFrames = 100;
@@ -76,4 +76,4 @@ TEST_F(SteadySteering, StationsThatJoinWithoutAPauseDoNotKeepThePlaceFromBeingSh
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::replay_player_test

@@ -14,7 +14,7 @@
 #include "tests/integration/record_fixture.h"
 #include "tests/support/made_recording.h"
 
-namespace obliq::test {
+namespace obliq::test::replay_test {
 namespace {
 
 TEST_F(RecordTest, TimesThatLieFurtherApartThanANumberHoldsAreShownAsTheyAre) {
@@ -388,4 +388,4 @@ TEST_F(RecordTest, WhatIsNoRecordingIsNamed) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::replay_test

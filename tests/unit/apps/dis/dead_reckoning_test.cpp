@@ -8,7 +8,7 @@
 #include "server/apps/dis/ownship.h"
 #include "tests/unit/apps/dis/dis_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::dead_reckoning_test {
 namespace {
 
 constexpr double kSpeed_m_s = 250;
@@ -125,4 +125,4 @@ TEST(DeadReckoning, OfAnOwnshipFollowsItsTurn) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::dead_reckoning_test

@@ -10,7 +10,7 @@
 #include "server/apps/dis/pdu_clock.h"
 #include "tests/unit/apps/dis/dis_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::entity_state_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -188,4 +188,4 @@ TEST(PduClock, ReadsAbsoluteTimesAndBelievesThoseThatAreNear) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::entity_state_test

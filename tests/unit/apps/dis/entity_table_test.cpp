@@ -7,7 +7,7 @@
 
 #include "tests/unit/apps/dis/dis_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::entity_table_test {
 namespace {
 
 using Time = EntityTable::Time;
@@ -176,4 +176,4 @@ TEST_F(Entities, ThatAreTooManyAreLeftOutFromAfar) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::entity_table_test

@@ -13,7 +13,7 @@
 #include "server/radar/targets/target_motion.h"
 #include "tests/unit/apps/dis/dis_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::entity_target_test {
 namespace {
 
 TEST(DisPattern, MatchesPartByPart) {
@@ -201,4 +201,4 @@ TEST_F(EntityTargets, OutsideTheLimitsAreNone) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::entity_target_test

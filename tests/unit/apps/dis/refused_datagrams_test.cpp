@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace obliq {
+namespace obliq::refused_datagrams_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -49,4 +49,4 @@ TEST(RefusedDatagrams, AReasonThatStaysIsToldOnce) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::refused_datagrams_test

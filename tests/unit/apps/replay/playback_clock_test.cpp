@@ -9,7 +9,7 @@
 
 #include "server/apps/replay/recorded_time.h"
 
-namespace obliq {
+namespace obliq::playback_clock_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -134,4 +134,4 @@ TEST(PlaybackClock, ClientsAndTheRenderThreadMayUseItAtOnce) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::playback_clock_test

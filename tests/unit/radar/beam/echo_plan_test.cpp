@@ -14,7 +14,7 @@
 #include "server/radar/wedge_memory.h"
 #include "tests/support/radar_settings.h"
 
-namespace obliq::test {
+namespace obliq::test::echo_plan_test {
 namespace {
 
 /// Draws settings with a beam, a pulse or both, within the limits of PARAMETERS.md.
@@ -262,4 +262,4 @@ TEST(LayoutFaults, AreTheGroundsToSayWhereOnlyAHighAntennasBeamGoesRound) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::echo_plan_test

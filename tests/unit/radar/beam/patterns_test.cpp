@@ -13,7 +13,7 @@
 #include "terrain/base/errors.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::patterns_test {
 namespace {
 
 constexpr double kRad = std::numbers::pi / 180;
@@ -369,4 +369,4 @@ TEST(PointResponse, ThatIsOffLeavesBinsAlone) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::patterns_test

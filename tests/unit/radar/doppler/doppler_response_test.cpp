@@ -9,7 +9,7 @@
 
 #include "server/radar/doppler/canceller.h"
 
-namespace obliq {
+namespace obliq::doppler_response_test {
 namespace {
 
 RadarSettings filter(DopplerWindow window, int pulses) {
@@ -105,4 +105,4 @@ TEST(Canceller, IsTheDifferenceOfItsPulses) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::doppler_response_test

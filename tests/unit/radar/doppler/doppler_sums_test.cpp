@@ -12,7 +12,7 @@
 #include "server/radar/doppler/doppler_response.h"
 #include "server/radar/simd/kernels.h"
 
-namespace obliq {
+namespace obliq::doppler_sums_test {
 namespace {
 
 constexpr int kBins = 2 * CellSpan::kBins;
@@ -272,4 +272,4 @@ TEST(DopplerCells, AreThoseBesideLevelGround) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::doppler_sums_test

@@ -11,7 +11,7 @@
 #include "terrain/base/units.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::sea_clutter_test {
 namespace {
 
 constexpr Polarisation kH = Polarisation::horizontal, kV = Polarisation::vertical;
@@ -139,4 +139,4 @@ TEST(SeaClutter, FindsTheRangeOfAGrazingAngle) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sea_clutter_test

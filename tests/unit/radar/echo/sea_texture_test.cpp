@@ -11,7 +11,7 @@
 #include "server/radar/simd/kernels.h"
 #include "tests/support/same_bits.h"
 
-namespace obliq {
+namespace obliq::sea_texture_test {
 namespace {
 
 SeaTexture texture_of(double shape, std::uint32_t seed = 1) {
@@ -155,4 +155,4 @@ TEST(SeaTexture, HasTheSameBitsInAllInstructionSetsAndInAnyList) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sea_texture_test

@@ -15,7 +15,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::speckle_test {
 namespace {
 
 class SpeckleTest : public testing::Test {
@@ -227,4 +227,4 @@ TEST(SceneMemory, SeveralRadarsAtOnceBuildOneTracer) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::speckle_test

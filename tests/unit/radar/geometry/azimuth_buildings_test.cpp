@@ -21,7 +21,7 @@
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::azimuth_buildings_test {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
@@ -257,4 +257,4 @@ TEST(BuildingsByBearing, LooksAtFewBuildingsHoweverWideTheBin) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::azimuth_buildings_test

@@ -15,7 +15,7 @@
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::profiles_test {
 namespace {
 
 RangeWindow all_bins(const ScenePlan& plan) { return {0, plan.bins().n_range - 1}; }
@@ -200,4 +200,4 @@ TEST(States, AreThoseThatAllStrandsOfAWholeProfileDecide) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::profiles_test

@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-namespace obliq::test {
+namespace obliq::test::pulse_times_test {
 namespace {
 
 constexpr double kHalfLight_m_s = 299792458.0 / 2;
@@ -65,4 +65,4 @@ TEST(PulseTrips, OfMoreIntervalsThanPulsesAreThoseOfThePulses) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::pulse_times_test

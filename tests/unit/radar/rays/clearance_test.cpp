@@ -14,7 +14,7 @@
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::clearance_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -201,4 +201,4 @@ TEST(CastGround, ARayThatPassesUnderTheEdgeOfAVoidMeetsWhatItNextSeesFromAbove) 
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::clearance_test

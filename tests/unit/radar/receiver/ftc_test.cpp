@@ -5,7 +5,7 @@
 
 #include "tests/unit/radar/receiver/video_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::ftc_test {
 namespace {
 
 /// 2 us are 300 m, ten bins of 30 m.
@@ -57,4 +57,4 @@ TEST(Video, WithAFastTimeConstantLosesRainAndKeepsABuilding) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::ftc_test

@@ -19,7 +19,7 @@
 #include "tests/support/silent_radar.h"
 #include "tests/support/sources.h"
 
-namespace obliq::test {
+namespace obliq::test::receiver_test {
 namespace {
 
 /// |sum a conj(b)| / sqrt(sum |a|^2 sum |b|^2).
@@ -377,4 +377,4 @@ TEST(Receiver, LetsNothingOutThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::receiver_test

@@ -24,7 +24,7 @@
 #include "tests/support/sources.h"
 #include "tests/unit/radar/receiver/video_fixture.h"
 
-namespace obliq::test {
+namespace obliq::test::video_test {
 namespace {
 
 TEST(Video, OfOneLookIsTheLogarithmOfIq) {
@@ -338,4 +338,4 @@ TEST(Noise, OfACompressedPulseHasThatOfItsPointResponse) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::video_test

@@ -19,7 +19,7 @@
 #include "terrain/base/hash.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::hit_lanes_test {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -186,4 +186,4 @@ TEST(ExactMath, LogarithmIsWithin1e15OfTheLongDoubleOne) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::hit_lanes_test

@@ -18,7 +18,7 @@
 #include "tests/support/random_scenes.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::lanes_test {
 namespace {
 
 /// Hills with a void in them, and cells on, beside and over their edges.
@@ -320,4 +320,4 @@ TEST(GroundHorizons, AreTheSameInEveryInstructionSet) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::lanes_test

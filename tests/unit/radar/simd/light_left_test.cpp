@@ -12,7 +12,7 @@
 
 #include "server/radar/simd/kernels.h"
 
-namespace obliq {
+namespace obliq::light_left_test {
 namespace {
 
 struct Profile {
@@ -126,4 +126,4 @@ TEST(LightLeft, IsWhatASearchForEachEdgeFinds) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::light_left_test

@@ -21,7 +21,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
-namespace obliq {
+namespace obliq::sweep_column_test {
 namespace {
 
 RadarSettings sweep_settings() {
@@ -309,4 +309,4 @@ TEST(SubColumns, LookUpAfterAThousandBuildingsAtMostWithinOneAzimuthBin) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::sweep_column_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/target_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::seen_share_test {
 namespace {
 
 // A wall of height H at distance d from an antenna h up hides the ground behind it out to h d / (h - H).
@@ -151,4 +151,4 @@ TEST(TargetEchoes, OfTenThousandInOneBinAddUp) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::seen_share_test

@@ -11,7 +11,7 @@
 #include "server/radar/targets/route.h"
 #include "terrain/base/units.h"
 
-namespace obliq::test {
+namespace obliq::test::target_motion_test {
 namespace {
 
 Target at(double latitude_deg, double longitude_deg) {
@@ -177,4 +177,4 @@ TEST(TargetMotion, AndPosesOfAClockThatIsFivePercentFastStayTogether) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::target_motion_test

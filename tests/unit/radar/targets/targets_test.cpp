@@ -12,7 +12,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/target_scenes.h"
 
-namespace obliq::test {
+namespace obliq::test::targets_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -234,4 +234,4 @@ TEST(TargetEchoes, MoveByVelocityAndAcceleration) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::targets_test

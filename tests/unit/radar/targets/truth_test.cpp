@@ -9,7 +9,7 @@
 #include "tests/support/target_scenes.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq::test {
+namespace obliq::test::truth_test {
 namespace {
 
 TargetTruth truth_of(const TargetScene& scene, const RadarSettings& s, const Target& target,
@@ -188,4 +188,4 @@ TEST_F(Aspects, ShowTheSideThatTheAntennaSees) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::truth_test

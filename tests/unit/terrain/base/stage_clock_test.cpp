@@ -6,7 +6,7 @@
 #include <cmath>
 #include <thread>
 
-namespace obliq::test {
+namespace obliq::test::stage_clock_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -83,4 +83,4 @@ TEST(StageClock, WithoutATableNothingIsMeasured) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::stage_clock_test

@@ -9,7 +9,7 @@
 
 #include "tests/unit/terrain_outlines.h"
 
-namespace obliq {
+namespace obliq::building_mesh_test {
 namespace {
 
 using test::Folder;
@@ -334,4 +334,4 @@ TEST(Buildings, FacesKeepTheirIdentityWhateverElseIsLoaded) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::building_mesh_test

@@ -11,7 +11,7 @@
 #include "terrain/dem/pixel_mean.h"
 #include "tests/unit/terrain_outlines.h"
 
-namespace obliq {
+namespace obliq::gamma_raster_test {
 namespace {
 
 using test::Folder;
@@ -320,4 +320,4 @@ TEST(GammaRaster, ElsewhereIsNotedAndChangesNothing) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::gamma_raster_test

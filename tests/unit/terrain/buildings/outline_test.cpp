@@ -13,7 +13,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/parts_check.h"
 
-namespace obliq {
+namespace obliq::outline_test {
 namespace {
 
 double ring_area(const std::vector<glm::vec2>& ring) {
@@ -260,4 +260,4 @@ TEST(ConvexParts, TangledOutlinesLoseNoWall) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::outline_test

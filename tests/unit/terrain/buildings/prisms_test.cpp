@@ -9,7 +9,7 @@
 
 #include "tests/unit/terrain_outlines.h"
 
-namespace obliq {
+namespace obliq::prisms_test {
 namespace {
 
 using test::Folder;
@@ -335,4 +335,4 @@ TEST(Surfaces, BadSourcesAreNamed) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::prisms_test

@@ -15,7 +15,7 @@
 #include "terrain/dem/gdal_messages.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::ground_cache_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -390,4 +390,4 @@ TEST(CacheFolder, IsTheFirstOfTheUsualPlaces) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::ground_cache_test

@@ -7,7 +7,7 @@
 #include "terrain/dem/source_extents.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq::test {
+namespace obliq::test::dem_test {
 namespace {
 
 using test::around;
@@ -370,4 +370,4 @@ TEST(SourceExtents, EndWhereTheAreaDoes) {
 }
 
 }  // namespace
-}  // namespace obliq::test
+}  // namespace obliq::test::dem_test

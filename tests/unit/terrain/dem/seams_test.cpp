@@ -12,7 +12,7 @@
 #include "tests/unit/terrain_files.h"
 #include "tests/unit/terrain_outlines.h"
 
-namespace obliq {
+namespace obliq::seams_test {
 namespace {
 
 using test::Folder;
@@ -281,4 +281,4 @@ INSTANTIATE_TEST_SUITE_P(Cities, RealCity,
                          });
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::seams_test

@@ -11,7 +11,7 @@
 #include "terrain/base/units.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::source_error_test {
 namespace {
 
 using test::Folder;
@@ -382,4 +382,4 @@ TEST(BadDem, SceneWithoutAnyTerrainIsRefused) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::source_error_test

@@ -10,7 +10,7 @@
 #include "terrain/frames.h"
 #include "tests/unit/terrain_files.h"
 
-namespace obliq {
+namespace obliq::synthetic_test {
 namespace {
 
 WorldSpec synthetic(SyntheticKind kind, double reach_m = 5000, double cell_m = 25) {
@@ -266,4 +266,4 @@ TEST(Voids, ZeroWidthFillsNothing) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::synthetic_test

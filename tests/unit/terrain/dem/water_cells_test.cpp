@@ -7,7 +7,7 @@
 #include "terrain/base/parallel.h"
 #include "tests/unit/terrain_outlines.h"
 
-namespace obliq {
+namespace obliq::water_cells_test {
 namespace {
 
 using test::Folder;
@@ -210,4 +210,4 @@ TEST(Water, RealCoastsHaveTheirSeaAndAFlatCityHasNone) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::water_cells_test

@@ -16,7 +16,7 @@
 #include "tests/support/made_worlds.h"
 #include "tests/support/random_scenes.h"
 
-namespace obliq {
+namespace obliq::ground_plates_test {
 namespace {
 
 constexpr int kLanes = GroundPlates::kLanes;
@@ -305,4 +305,4 @@ TEST(PlateLanes, ExtentsAreThoseOfHalfARowAndHalfAColumn) {
 }
 
 }  // namespace
-}  // namespace obliq
+}  // namespace obliq::ground_plates_test
