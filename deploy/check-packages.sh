@@ -49,7 +49,7 @@ make_packages() {
 set -eu
 cd /mnt/source
 apt-get -q update && deploy/install-deps.sh build package
-cmake --preset release -DOBLIQ_TESTS=OFF -DOBLIQ_BENCHMARKS=OFF
+cmake --preset release -DOBLIQ_TESTS=OFF
 cmake --build --preset release --parallel ${OBLIQ_JOBS:-$(parallel_jobs)} --target obliqd obliq obliq_shared
 deploy/packages.sh --out /mnt/old --version $(project_version)
 STEPS
