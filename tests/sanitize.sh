@@ -23,7 +23,7 @@ for preset in "$@"; do
     ;;
   esac
   step "$preset"
-  cmake --preset "$preset" -DOBLIQ_TESTS=ON
+  cmake --preset "$preset" -DOBLIQ_TESTS=ON -DOBLIQ_BENCHMARKS=OFF
   cmake --build --preset "$preset" --parallel "$(parallel_jobs)"
   # The checks of the sources have nothing to sanitize.
   ctest --test-dir "build/$preset" --parallel "$(nproc)" --timeout 1200 --output-on-failure --no-tests=error \

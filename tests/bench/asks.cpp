@@ -1,6 +1,6 @@
 // How long a rendering works between two times that it asks whether it may go on: asks [FRAMES] [FIRST_SEED]
-// [MOST_UNITS] renders the frames of radar_work_test, each with one thread and up to so much work, and prints
-// the longest waits in milliseconds of the thread's processor time, and nanoseconds a unit.
+// [MOST_UNITS] renders the frames of wedge_work_test.cpp, each with one thread and up to so much work, and
+// prints the longest waits in milliseconds of the thread's processor time, and nanoseconds a unit.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -28,7 +28,7 @@ class GroundBehindAGate : public PatternRenderer {
 };
 
 /// Its sector is widened to the full circle, which its bins do not divide, where the antenna is high
-/// (radar_plan_size_test).
+/// (echo_plan_test.cpp).
 wire::RadarSettings steep() {
   wire::RadarSettings settings;
   settings.set_sector_deg(250);

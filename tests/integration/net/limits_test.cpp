@@ -192,7 +192,7 @@ TEST(RequestLimits, TheMemoryOfAFrameIsItsWedgesAndWhatWaitsToBeSent) {
   settings.range_bins = 1000;
   net::ServerOptions options;
   options.render_threads = 2;
-  const std::int64_t wedges = 2 * wedge_bytes(settings);  // which radar_work_test measures
+  const std::int64_t wedges = 2 * wedge_bytes(settings);  // which wedge_work_test.cpp measures
   // 8 + 8 + 4 + 1 bytes a bin, PROTOCOL.md.
   EXPECT_EQ(net::once_cost(settings, wire::kAllPlanes, options).bytes, wedges + 21'000'000);
   options.slice_bytes = 1'000'000;

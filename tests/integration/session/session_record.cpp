@@ -271,7 +271,8 @@ bool SessionRecord::received(const std::string& who, const wire::MessageView& vi
   if (header.type == MessageType::wedge_block) {
     values = values_of(dynamic_cast<const wire::WedgeBlock&>(*message), view.plane);
   } else if (header.type == MessageType::ground_answer || header.type == MessageType::target_block) {
-    // The last bits of places are the C library's; ground_query_test and net_targets_test have their values.
+    // The last bits of places are the C library's; ground_query_test.cpp and targets_test.cpp have their
+    // values.
     values = " " + std::to_string(view.plane.size()) + " bytes";
   } else {
     EXPECT_TRUE(view.plane.empty());

@@ -78,7 +78,7 @@ TEST(SourceError, OfAPlaneIsNothing) {
   const Folder folder;
   RasterPlan plan = waves(0, 0);
   plan.value = [](double lon, double lat) { return 100 + 5000 * (lon - kLon) - 3000 * (lat - kLat); };
-  // Float32 at 100 m, and cells of 25 m over a plane in degrees (terrain_dem_test): 2 mm. Heights compared
+  // Float32 at 100 m, and cells of 25 m over a plane in degrees (dem_test.cpp): 2 mm. Heights compared
   // half a posting beside their place would be off by 0.25 m.
   EXPECT_LT(error_of_cell(write_raster(folder, "plane.tif", plan), 25).greatest_m, 2e-3);
 }
