@@ -34,7 +34,7 @@ cmake --build --preset release --parallel "$jobs"
 step "test"
 log=build/release/tests.log
 status=0
-ctest --test-dir build/release --parallel "$(($(nproc) + 4))" --timeout 600 --output-on-failure --no-tests=error \
+ctest --test-dir build/release --parallel "$(($(nproc) + 2))" --timeout 600 --output-on-failure --no-tests=error \
   --output-junit "$root/build/release/tests.xml" "${select_tests[@]}" 2>&1 </dev/null | tee "$log" || status=$?
 step_end
 python3 tests/skipped.py build/release/tests.xml || true
