@@ -89,8 +89,7 @@ class BeamOver : public testing::TestWithParam<Mountains> {
     for (int first = 0; first + 8 <= s.azimuth_bins; first += 64) runs.push_back({first, 8});
     const PlanResult planned = plan_frame(scene_, test::snapshot(s), pose_);
     EXPECT_TRUE(planned.plan) << all_text(planned.errors);
-    // Steps of half as much change no asserted figure in its second digit.
-    const TruthBins truth = integrate_radar_truth(*planned.plan, runs, {16, 8, 2});
+    const TruthBins truth = integrate_radar_truth(*planned.plan, runs, {16, 4, 2});
     const Frame frame = render(scene_, test::snapshot(s), pose_, {0, s.azimuth_bins});
     const BinErrors errors =
         bin_errors(power_of_runs(frame.bins, runs), truth.power_w(Returns::all), range_bins(s));
