@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Compiles everything with clang, warnings as errors: GCC and clang must both accept it. The fuzz targets and all that they link are
-# built, the other sources only read, which takes a third of the time. Then each fuzz target runs for ten seconds.
+# built, the other sources only read, which takes a third of the time. Each fuzz target runs for ten seconds, and a client library that
+# was built without the server, beside a daemon of build/release where there is one.
 #
 #   tests/clang_build.sh
 set -euo pipefail
@@ -14,4 +15,8 @@ cmake --preset clang -DOBLIQ_TESTS=ON -DOBLIQ_BENCHMARKS=ON
 # What the sources include and the build makes.
 cmake --build --preset clang --target proto/obliq.pb.h server/http/page_bytes.cpp write_version tests/CMakeFiles/test_headers.dir/cmake_pch.hxx.pch
 tests/syntax_only.py build/clang --but-for build/fuzz --jobs "$(parallel_jobs)"
+if [ -x build/release/bin/obliqd ]; then
+  step "a client library without the server"
+  tests/consumer.sh --compiler clang++
+fi
 step_end
