@@ -1,9 +1,11 @@
 #include "terrain/dem/synthetic.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -102,38 +104,110 @@ constexpr int kOctaves = 9;
 /// noise", 2002).
 double fade(double t) { return t * t * t * (t * (6 * t - 15) + 10); }
 
-/// Smooth noise in [0, 1] that takes hashed values at whole numbers.
-double value_noise(std::uint64_t seed, double u, double v) {
-  const double fu = std::floor(u);
-  const double fv = std::floor(v);
-  const auto i = static_cast<std::int64_t>(fu);
-  const auto j = static_cast<std::int64_t>(fv);
-  const double s = fade(u - fu);
-  const double t = fade(v - fv);
-  const auto at = [&](std::int64_t a, std::int64_t b) { return unit_from_hash(hash_cell(seed, a, b)); };
-  const double low = at(i, j) + s * (at(i + 1, j) - at(i, j));
-  const double high = at(i, j + 1) + s * (at(i + 1, j + 1) - at(i, j + 1));
-  return low + t * (high - low);
-}
-
-/// Sum of octaves, each half as long and half as high as the one before: in [0, 1].
-double fractal(std::uint64_t seed, double x_m, double z_m) {
-  double sum = 0;
-  double weight = 1;
-  double total = 0;
-  double u = x_m / kLongestWave_m;
-  double v = z_m / kLongestWave_m;
-  for (int octave = 0; octave < kOctaves; ++octave) {
-    sum += weight * value_noise(seed + static_cast<std::uint64_t>(octave), u, v);
-    total += weight;
-    weight /= 2;
-    // Each octave is turned by a 3-4-5 angle, or the lattices' lines would coincide and show.
-    const double turned = 2 * (0.8 * u - 0.6 * v);
-    v = 2 * (0.6 * u + 0.8 * v);
-    u = turned;
+/// Smooth noise in [0, 1] that takes hashed values at whole numbers. It remembers the corners of the cell
+/// that was asked for last: neighbouring posts mostly share it. For one thread.
+class ValueNoise {
+ public:
+  double at(std::uint64_t seed, double u, double v) {
+    if (!(u - i_ >= 0 && u - i_ < 1 && v - j_ >= 0 && v - j_ < 1)) enter(seed, std::floor(u), std::floor(v));
+    const double s = fade(u - i_);
+    const double t = fade(v - j_);
+    const double low = corners_[0] + s * (corners_[1] - corners_[0]);
+    const double high = corners_[2] + s * (corners_[3] - corners_[2]);
+    return low + t * (high - low);
   }
-  return sum / total;
-}
+
+ private:
+  void enter(std::uint64_t seed, double i, double j) {
+    i_ = i;
+    j_ = j;
+    const auto a = static_cast<std::int64_t>(i);
+    const auto b = static_cast<std::int64_t>(j);
+    const auto value = [&](int right, int up) { return unit_from_hash(hash_cell(seed, a + right, b + up)); };
+    corners_ = {value(0, 0), value(1, 0), value(0, 1), value(1, 1)};
+  }
+
+  double i_ = std::numeric_limits<double>::quiet_NaN();  // the cell's lower corner
+  double j_ = i_;
+  std::array<double, 4> corners_{};
+};
+
+/// Sum of octaves, each half as long and half as high as the one before: in [0, 1]. For one thread.
+class Fractal {
+ public:
+  double at(std::uint64_t seed, double x_m, double z_m) {
+    double sum = 0;
+    double weight = 1;
+    double total = 0;
+    double u = x_m / kLongestWave_m;
+    double v = z_m / kLongestWave_m;
+    for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
+      sum += weight * octaves_[octave].at(seed + octave, u, v);
+      total += weight;
+      weight /= 2;
+      // Each octave is turned by a 3-4-5 angle, or the lattices' lines would coincide and show.
+      const double turned = 2 * (0.8 * u - 0.6 * v);
+      v = 2 * (0.6 * u + 0.8 * v);
+      u = turned;
+    }
+    return sum / total;
+  }
+
+ private:
+  std::array<ValueNoise, kOctaves> octaves_;
+};
+
+/// Height of synthetic ground above the datum surface at world (x, z), metres: a function of the place alone,
+/// so that the ground is the same whatever part of it is loaded. For one thread.
+///
+/// ramp: slope times the distance along the bearing. ridge: a triangular crest line across the bearing.
+/// wall: a block across the bearing whose near face stands at distance_m and whose far face width_m beyond.
+/// cone: apex at the bearing and distance. hills: between base_m and base_m + height_m everywhere.
+class Shape {
+ public:
+  Shape(SyntheticKind kind, const SyntheticSpec& spec)
+      : kind_(kind),
+        spec_(spec),
+        sin_b_(std::sin(spec.bearing_deg * kDegree_rad)),
+        cos_b_(std::cos(spec.bearing_deg * kDegree_rad)) {}
+
+  double height_m(double x_m, double z_m) {
+    const double along_m = x_m * sin_b_ + z_m * cos_b_;
+    const double rise_m = spec_.height_m - spec_.base_m;
+    switch (kind_) {
+      case SyntheticKind::ramp:
+        return spec_.base_m + spec_.slope * along_m;
+      case SyntheticKind::ridge: {
+        const double off = std::abs(along_m - spec_.distance_m) / (spec_.width_m / 2);
+        return spec_.base_m + rise_m * std::max(0.0, 1 - off);
+      }
+      case SyntheticKind::wall: {
+        const double behind_m = along_m - spec_.distance_m;
+        const bool on = behind_m >= -kFaceSlack_m && behind_m <= spec_.width_m + kFaceSlack_m;
+        return on ? spec_.height_m : spec_.base_m;
+      }
+      case SyntheticKind::cone: {
+        const double away_m = std::hypot(x_m - spec_.distance_m * sin_b_, z_m - spec_.distance_m * cos_b_);
+        return spec_.base_m + rise_m * std::max(0.0, 1 - away_m / spec_.width_m);
+      }
+      case SyntheticKind::hills: {
+        const double n = hills_.at(spec_.seed, x_m, z_m);
+        // Averages of octaves crowd around 1/2; the smoothstep spreads them without leaving [0, 1].
+        return spec_.base_m + spec_.height_m * n * n * (3 - 2 * n);
+      }
+      case SyntheticKind::flat:
+      case SyntheticKind::none:
+        break;
+    }
+    return spec_.base_m;
+  }
+
+ private:
+  SyntheticKind kind_;
+  const SyntheticSpec& spec_;
+  double sin_b_, cos_b_;
+  Fractal hills_;
+};
 
 void require(bool ok, const char* field, double found, const char* allowed) {
   if (!ok) throw InputError(FieldError{field, std::to_string(found), allowed}.text());
@@ -155,48 +229,15 @@ void check(SyntheticKind kind, const SyntheticSpec& s) {
 
 }  // namespace
 
-double synthetic_height_m(SyntheticKind kind, const SyntheticSpec& shape, double x_m, double z_m) {
-  const double sin_b = std::sin(shape.bearing_deg * kDegree_rad);
-  const double cos_b = std::cos(shape.bearing_deg * kDegree_rad);
-  const double along_m = x_m * sin_b + z_m * cos_b;
-  const double rise_m = shape.height_m - shape.base_m;
-  switch (kind) {
-    case SyntheticKind::ramp:
-      return shape.base_m + shape.slope * along_m;
-    case SyntheticKind::ridge: {
-      const double off = std::abs(along_m - shape.distance_m) / (shape.width_m / 2);
-      return shape.base_m + rise_m * std::max(0.0, 1 - off);
-    }
-    case SyntheticKind::wall: {
-      const double behind_m = along_m - shape.distance_m;
-      const bool on = behind_m >= -kFaceSlack_m && behind_m <= shape.width_m + kFaceSlack_m;
-      return on ? shape.height_m : shape.base_m;
-    }
-    case SyntheticKind::cone: {
-      const double away_m = std::hypot(x_m - shape.distance_m * sin_b, z_m - shape.distance_m * cos_b);
-      return shape.base_m + rise_m * std::max(0.0, 1 - away_m / shape.width_m);
-    }
-    case SyntheticKind::hills: {
-      const double n = fractal(shape.seed, x_m, z_m);
-      // Averages of octaves crowd around 1/2; the smoothstep spreads them without leaving [0, 1].
-      return shape.base_m + shape.height_m * n * n * (3 - 2 * n);
-    }
-    case SyntheticKind::flat:
-    case SyntheticKind::none:
-      break;
-  }
-  return shape.base_m;
-}
-
 SourceError synthetic_error(const HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& shape,
                             const WorldFrame& frame) {
   SourceErrors errors(grid);
   const AnchorMap map(frame, shape.anchor);
+  Shape ground(kind, shape);
   std::vector<WorldPoint> points;
   for (const glm::dvec2& p : errors.places(grid)) {
     const glm::dvec2 q = map.exact(p);
-    points.push_back(
-        {glm::dvec3(p.x, synthetic_height_m(kind, shape, q.x, q.y) + frame.datum_y_m(p.x, p.y), p.y)});
+    points.push_back({glm::dvec3(p.x, ground.height_m(q.x, q.y) + frame.datum_y_m(p.x, p.y), p.y)});
   }
   errors.compare(points, grid);
   return errors.summary(grid);
@@ -208,13 +249,14 @@ void fill_synthetic(HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& s
   const AnchorMap map(frame, shape.anchor);
   for_each_row(grid.nz, [&](int j) {
     auto row = map.row(grid.node_z_m(j));
+    Shape ground(kind, shape);
     for (int i = 0; i < grid.nx; ++i) {
       const double x_m = grid.node_x_m(i);
       const double z_m = grid.node_z_m(j);
       // Tangent-plane y is ellipsoid_y, the lift takes (1 - 1/k) of it away: 1/k stays.
       const double datum_m = frame.datum_y_m(x_m, z_m);
       const glm::dvec2 at = row.at(x_m);
-      grid.y_m[grid.index(i, j)] = static_cast<float>(synthetic_height_m(kind, shape, at.x, at.y) + datum_m);
+      grid.y_m[grid.index(i, j)] = static_cast<float>(ground.height_m(at.x, at.y) + datum_m);
     }
   });
 }
