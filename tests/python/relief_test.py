@@ -105,11 +105,18 @@ def seen_from(antenna, latitude, longitude, height):
     return own
 
 
-def lit_facets(ground, antenna, bearing_deg, end_m):
-    """Facets of the ground along these bearings as the antenna sees them: azimuth, slant range, sine of elevation, and area square to
-    the line of sight, in m^2, 0 where what is nearer hides it."""
-    bearing = np.radians(bearing_deg)[:, None]
-    way = np.arange(60.0, end_m, 2.0)[None, :]
+def lit_facets(ground, antenna, bearing_deg, from_m, to_m):
+    """Facets of the ground along these bearings, between these slant ranges at least, as the antenna sees them: azimuth, slant range,
+    sine of elevation, and area square to the line of sight, in m^2, 0 where what is nearer hides it. A few bearings at a time."""
+    way = np.arange(60.0, to_m, 2.0)[None, :]
+    first = np.searchsorted(way[0], math.sqrt(max(0.0, from_m ** 2 - antenna[2] ** 2)) - 4.0)
+    parts = [facets_between(ground, antenna, np.radians(bearing_deg[k:k + 17])[:, None], way, first)
+             for k in range(0, len(bearing_deg) - 1, 16)]
+    return [np.concatenate(part) for part in zip(*parts)]
+
+
+def facets_between(ground, antenna, bearing, way, first):
+    """Those of lit_facets beyond the first so many steps of the way."""
     # Places on the ellipsoid by its two radii of curvature at the antenna, as far out as a beam's width matters.
     la = math.radians(antenna[0])
     e2 = FLATTENING * (2 - FLATTENING)
@@ -118,11 +125,12 @@ def lit_facets(ground, antenna, bearing_deg, end_m):
     latitude = antenna[0] + np.degrees(way * np.cos(bearing) / along)
     longitude = antenna[1] + np.degrees(way * np.sin(bearing) / (across * np.cos(np.radians((latitude + antenna[0]) / 2))))
     at = seen_from(antenna, latitude, longitude, ground.at(latitude, longitude))
-    area = np.cross(at[1:, 1:] - at[:-1, :-1], at[:-1, 1:] - at[1:, :-1]) / 2
-    area *= np.sign(area[..., 2:])  # upwards
     middle = (at[1:, 1:] + at[:-1, :-1] + at[:-1, 1:] + at[1:, :-1]) / 4
     slope = middle[..., 2] / np.hypot(middle[..., 0], middle[..., 1])
-    is_seen = slope >= np.maximum.accumulate(slope, axis=1)
+    is_seen = (slope >= np.maximum.accumulate(slope, axis=1))[:, first:]
+    at, middle = at[:, first:], middle[:, first:]
+    area = np.cross(at[1:, 1:] - at[:-1, :-1], at[:-1, 1:] - at[1:, :-1]) / 2
+    area *= np.sign(area[..., 2:])  # upwards
     r = np.linalg.norm(middle, axis=-1)
     facing = np.maximum(0, -np.sum(area * middle, axis=-1) / r)
     return np.arctan2(middle[..., 0], middle[..., 1]), r, middle[..., 2] / r, facing * is_seen
@@ -131,7 +139,8 @@ def lit_facets(ground, antenna, bearing_deg, end_m):
 def clutter_in(ground, antenna, boresight_deg, range_m):
     """Of a bin of the frame: gamma over each facet's area square to the line of sight, seen past all that is nearer, through
     beam and pulse, a cross section in m^2 at range_m."""
-    azimuth, r, sine, area = lit_facets(ground, antenna, boresight_deg + np.arange(-4.5, 4.5001, 0.015), range_m + 2 * PULSE_M)
+    azimuth, r, sine, area = lit_facets(ground, antenna, boresight_deg + np.arange(-4.5, 4.5001, 0.015),
+                                        range_m - 2 * PULSE_M, range_m + 2 * PULSE_M)
     own = np.degrees(np.arcsin(np.sqrt(1 - sine ** 2) * np.sin(azimuth - math.radians(boresight_deg))))
     gain = np.exp(-4 * math.log(2) * (own / 3.0) ** 2)
     pulse = np.maximum(0, 1 - np.abs(r - range_m) / PULSE_M)
