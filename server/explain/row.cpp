@@ -20,9 +20,10 @@ struct fmt::formatter<obliq::NamedValue> {
   template <class Context>
   auto format(const obliq::NamedValue& named, Context& context) const {
     const double* number = std::get_if<double>(&named.value);
-    return fmt::format_to(
-        context.out(), "{}",
-        number ? obliq::number_text(*number, format_text) : std::get<std::string>(named.value));
+    return std::ranges::copy(
+               number ? obliq::number_text(*number, format_text) : std::get<std::string>(named.value),
+               context.out())
+        .out;
   }
 };
 

@@ -1,12 +1,12 @@
 #include "server/flight/scene_keeper.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <exception>
 #include <utility>
 
+#include "server/log/log.h"
 #include "server/scene/scene.h"
 #include "terrain/base/errors.h"
 #include "terrain/base/parallel.h"
@@ -181,7 +181,7 @@ std::optional<SceneKeeper::Request> SceneKeeper::next_request() {
 }
 
 void SceneKeeper::run(const std::stop_token& stop) {
-  if (!lower_own_priority()) spdlog::warn("terrain is loaded at the same priority as frames are rendered");
+  if (!lower_own_priority()) log_warning("terrain is loaded at the same priority as frames are rendered");
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     if (auto request = next_request()) {
@@ -211,7 +211,7 @@ void SceneKeeper::wait_for_retired(const std::stop_token& stop, std::unique_lock
     changed_.wait_for(lock, stop, kLook, [] { return false; });
   if (stop.stop_requested()) return;
   if (retired_ && retired_.use_count() > 1)
-    spdlog::warn("a frame of the scene before the last is not finished: for now there are three in memory");
+    log_warning("a frame of the scene before the last is not finished: for now there are three in memory");
   auto last = std::exchange(retired_, nullptr);
   lock.unlock();
   last.reset();
@@ -282,9 +282,9 @@ void SceneKeeper::take(Request& request, std::shared_ptr<const Scene> scene, dou
   retired_ = std::exchange(scene_, std::move(scene));
   pause_s_ = 0;
   not_before_ = {};
-  spdlog::info("{} serves, loaded in {:.1f} s; origin {:.4f}, {:.4f}",
-               request.done ? "the reloaded scene" : "the next window of terrain", build_s,
-               state_.window.origin.latitude_deg, state_.window.origin.longitude_deg);
+  log_info("{} serves, loaded in {:.1f} s; origin {:.4f}, {:.4f}",
+           request.done ? "the reloaded scene" : "the next window of terrain", build_s,
+           state_.window.origin.latitude_deg, state_.window.origin.longitude_deg);
 }
 
 void SceneKeeper::note_failure(const Request& request, const std::string& error) {
@@ -292,12 +292,12 @@ void SceneKeeper::note_failure(const Request& request, const std::string& error)
   state_.last_error = state_.last_failure = error;
   reload_failed_ = request.done != nullptr;
   if (request.done) {
-    spdlog::error("the reloaded scene cannot be loaded; still serving the previous one: {}", error);
+    log_error("the reloaded scene cannot be loaded; still serving the previous one: {}", error);
     return;
   }
   pause_s_ = std::clamp(2 * pause_s_, kFirstPause_s, kLongestPause_s);
   not_before_ = now_() + from_seconds(pause_s_);
-  spdlog::error(
+  log_error(
       "the next window of terrain cannot be loaded: {}; still serving the previous one, whose coverage says "
       "what is missing. Next attempt in {:.0f} s; terrain.dem must name elevation models around the radars",
       error, pause_s_);

@@ -1,7 +1,6 @@
 #include "server/http/answering.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
@@ -10,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/security/security.h"
 #include "terrain/base/text.h"
@@ -124,15 +124,14 @@ std::optional<Page> foreign_page(const Asked& asked, const Site& site) {
   if (asked.has_origins) return error_page(400, "a request has at most one field Origin");
   const LogFields fields{{"client", asked.peer}};
   if (!is_own_host(asked.host, site)) {
-    spdlog::warn(
-        "HTTP: {} was refused: it asked for the host \"{}\"; name it in http.names if it is this one",
-        asked.peer, shown(asked.host));
+    log_warning("HTTP: {} was refused: it asked for the host \"{}\"; name it in http.names if it is this one",
+                asked.peer, shown(asked.host));
     return error_page(403, fmt::format("Host: found {}; allowed: an address, localhost, or one of http.names",
                                        shown(asked.host)));
   }
   if (asked.origin.empty() || is_own_origin(asked.origin, asked.host, site)) return std::nullopt;
-  spdlog::warn("HTTP: {} was refused: a page of {} asked; name that in http.origins if it may", asked.peer,
-               shown(asked.origin));
+  log_warning("HTTP: {} was refused: a page of {} asked; name that in http.origins if it may", asked.peer,
+              shown(asked.origin));
   return error_page(
       403, fmt::format("Origin: found {}; allowed: this server's own, {}://{}, or one of http.origins",
                        shown(asked.origin), site.tls ? "https" : "http", asked.host));
@@ -146,7 +145,7 @@ Page page_of(const Asked& asked, const std::vector<Route>& routes, const securit
     if (asked.has_body) return error_page(413, "a request has no body here");
     if (!may_read(route, asked.authorization, security)) {
       const LogFields fields{{"client", asked.peer}};
-      spdlog::warn(
+      log_warning(
           "HTTP: {} refused to {}: no token, or one that is not in server.tokens; give that client a "
           "viewer's token",
           route.path, asked.peer);

@@ -1,14 +1,16 @@
 #include "server/http/http_client.h"
 
+#include <fmt/core.h>
+
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "terrain/base/units.h"
 // The order matters, see above.
 #include <boost/asio.hpp>
 #include <boost/asio/ssl.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/string_body.hpp>
 
 namespace obliq::http {
 
@@ -20,17 +22,33 @@ using asio::ip::tcp;
 namespace {
 
 constexpr std::uint64_t kMaxBody = 64 << 10;
+constexpr std::size_t kMaxBuffer = 16 << 10;
 
+// Beast's own reading and writing of whole messages takes GCC longer to compile than all the rest here.
 template <typename Stream>
 asio::awaitable<void> converse(Stream& stream, const Question& question, Answer& answer) {
-  bhttp::request<bhttp::empty_body> request(bhttp::verb::get, question.path, 11);
-  request.set(bhttp::field::host, question.address);
-  request.set(bhttp::field::connection, "close");
-  co_await bhttp::async_write(stream, request, asio::use_awaitable);
-  beast::flat_buffer buffer(16 << 10);
+  const std::string request = fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n",
+                                          question.path, question.address);
+  co_await asio::async_write(stream, asio::buffer(request), asio::use_awaitable);
   bhttp::response_parser<bhttp::string_body> response;
   response.body_limit(kMaxBody);
-  co_await bhttp::async_read(stream, buffer, response, asio::use_awaitable);
+  response.eager(true);
+  beast::flat_buffer unread(kMaxBuffer);
+  while (!response.is_done()) {
+    if (unread.size() == kMaxBuffer) throw boost::system::system_error(bhttp::error::buffer_overflow);
+    boost::system::error_code error;
+    const std::size_t read = co_await stream.async_read_some(
+        unread.prepare(kMaxBuffer - unread.size()), asio::redirect_error(asio::use_awaitable, error));
+    unread.commit(read);
+    if (error == asio::error::eof || error == asio::ssl::error::stream_truncated) {
+      response.put_eof(error);
+      if (error) throw boost::system::system_error(error);
+      break;
+    }
+    if (error) throw boost::system::system_error(error);
+    unread.consume(response.put(unread.data(), error));
+    if (error && error != bhttp::error::need_more) throw boost::system::system_error(error);
+  }
   answer.body = response.get().body();
   answer.status = static_cast<int>(response.get().result_int());
 }
@@ -40,12 +58,12 @@ asio::awaitable<void> ask_on(asio::io_context& io, const Question& question, Ans
     tcp::resolver resolver(io);
     const auto found =
         co_await resolver.async_resolve(question.address, std::to_string(question.port), asio::use_awaitable);
-    beast::tcp_stream stream(io);
-    co_await stream.async_connect(found, asio::use_awaitable);
+    tcp::socket stream(io);
+    co_await asio::async_connect(stream, found, asio::use_awaitable);
     if (question.tls) {
       asio::ssl::context context(asio::ssl::context::tls_client);
       context.set_verify_mode(asio::ssl::verify_none);
-      beast::ssl_stream<beast::tcp_stream&> secure(stream, context);
+      asio::ssl::stream<tcp::socket&> secure(stream, context);
       co_await secure.async_handshake(asio::ssl::stream_base::client, asio::use_awaitable);
       co_await converse(secure, question, answer);
     } else {

@@ -1,7 +1,6 @@
 #include "server/http/http_server.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <boost/asio.hpp>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "server/http/answering.h"
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/net/requests/result_of.h"
 #include "server/net/socket_transport.h"
@@ -86,7 +86,7 @@ asio::awaitable<Got> read_some(SocketTransport& from, std::span<std::byte> bytes
 
 void warn_of_handshake(const std::string& peer, const std::string& why) {
   const LogFields fields{{"client", peer}};
-  spdlog::warn(
+  log_warning(
       "HTTP: {}: the TLS handshake failed: {}; clients need https:// and the certificate "
       "server.tls_certificate",
       peer, why);
@@ -178,7 +178,7 @@ asio::awaitable<void> HttpServer::State::accept() {
     if (stopping) break;
     if (error) {
       if (!std::exchange(in_trouble, true))
-        spdlog::error(
+        log_error(
             "HTTP cannot accept a connection: {}; if descriptors have run out, raise their limit "
             "(ulimit -n, LimitNOFILE=)",
             error.message());
@@ -233,7 +233,7 @@ bool HttpServer::State::make_room(const std::string& network, const std::string&
   const ConnectionPtr oldest = *std::ranges::find_if(
       open, [&](const ConnectionPtr& c) { return !c->asked && !c->gone && c->network == most; });
   const LogFields fields{{"client", oldest->peer}};
-  spdlog::warn(
+  log_warning(
       "HTTP: {} sent no request and was closed for a new connection: {} reached; raise that limit, or look "
       "at the open connections",
       oldest->peer, limit);
@@ -246,7 +246,7 @@ bool HttpServer::State::make_room(const std::string& network, const std::string&
 void HttpServer::State::turn_away(tcp::socket socket, const std::string& limit) const {
   const std::string peer = net::endpoint_of_peer(socket.native_handle());
   const LogFields fields{{"client", peer}};
-  spdlog::warn(
+  log_warning(
       "HTTP: a connection from {} was refused: {} reached; raise that limit, or look at the open connections",
       peer, limit);
   Page page = error_page(503, limit + " reached");
@@ -282,8 +282,8 @@ asio::awaitable<void> HttpServer::State::serve(ConnectionPtr connection) {
     if (c.transport) co_await part(c);
   } catch (const std::exception& e) {
     const LogFields fields{{"client", c.peer}};
-    spdlog::error("HTTP: {}: connection ended: {}; if memory runs out, load less terrain or lower the limits",
-                  c.peer, failure_text(e));
+    log_error("HTTP: {}: connection ended: {}; if memory runs out, load less terrain or lower the limits",
+              c.peer, failure_text(e));
   }
 }
 

@@ -10,11 +10,14 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <exception>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "server/log/log.h"
 
 namespace obliq {
 
@@ -152,6 +155,19 @@ void on_log_line(std::function<void(const std::string& level)> call) {
 }
 
 void report_suppressed_lines() { the_sink()->report(); }
+
+void flush_log() { spdlog::default_logger()->flush(); }
+
+void format_log(LogLevel level, fmt::string_view format, fmt::format_args arguments) noexcept {
+  if (!spdlog::should_log(spdlog_level(level))) return;
+  try {
+    spdlog::default_logger_raw()->log(spdlog_level(level),
+                                      spdlog::string_view_t(fmt::vformat(format, arguments)));
+  } catch (const std::exception&) {
+    spdlog::default_logger_raw()->log(spdlog_level(level),
+                                      spdlog::string_view_t("a line is missing: no memory for it"));
+  }
+}
 
 LogFields::LogFields(std::initializer_list<LogField> fields) : before_(fields_of_thread().size()) {
   fields_of_thread().insert(fields_of_thread().end(), fields);

@@ -1,10 +1,9 @@
 #include "server/modbus/image.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
 
+#include "server/log/log.h"
 #include "server/modbus/encoding.h"
 #include "terrain/base/units.h"
 
@@ -228,8 +227,8 @@ Exception Image::change(std::size_t radar, bool apply, net::PanelChange wanted) 
   unit.facts.last_error_address = answer.errors.empty() ? kNoAddress : address_of(answer.errors.front());
   if (answer.verdict == net::PanelVerdict::invalid) {
     unit.facts.last_error = answer.over ? fault_of_limit(answer.over->limit) : Fault::refused;
-    spdlog::warn("modbus unit {}: apply refused: {}{}", unit.facts.unit_id,
-                 answer.over ? answer.over->text + "; " : "", all_text(answer.errors));
+    log_warning("modbus unit {}: apply refused: {}{}", unit.facts.unit_id,
+                answer.over ? answer.over->text + "; " : "", all_text(answer.errors));
     return Exception::illegal_value;
   }
   unit.facts.last_error =
@@ -275,7 +274,7 @@ void Image::tick(Clock::time_point now) {
     unit.armed = false;  // until it beats again
     unit.facts.watchdog_tripped = true;
     unit.facts.tell(Fault::watchdog);
-    spdlog::warn(
+    log_warning(
         "modbus unit {}: no heartbeat of the console for {} s: the radar is frozen. When the console is "
         "back: write coil {} (clear faults), then 0 to coil {} (freeze)",
         unit.facts.unit_id, watchdog_s_, static_cast<int>(kClearFaults), static_cast<int>(kFreeze));

@@ -8,7 +8,6 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <spdlog/spdlog.h>
 #include <sys/select.h>
 #include <sys/socket.h>
 
@@ -19,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "server/log/log.h"
 #include "terrain/base/errors.h"
 
 namespace obliq::modbus {
@@ -117,7 +117,7 @@ bool serve_request(const Socket& socket, const MasterTimes& times, Image& image,
   if (!socket.receive(std::span(frame).subspan(1), deadline)) return false;
   const std::size_t rest = bytes_to_come(std::span<const std::uint8_t, kHeadBytes>(frame));
   if (rest == 0) {
-    spdlog::warn("modbus: a master sent something other than Modbus/TCP and is disconnected");
+    log_warning("modbus: a master sent something other than Modbus/TCP and is disconnected");
     return false;
   }
   frame.resize(kHeadBytes + rest);
@@ -143,7 +143,7 @@ void serve_master(int fd, int stop_fd, const MasterTimes& times, Image& image) {
     while (serve_request(socket, times, image, answers, frame)) {
     }
   } catch (const std::exception& e) {
-    spdlog::error("modbus: a master is disconnected: {}", failure_text(e));
+    log_error("modbus: a master is disconnected: {}", failure_text(e));
   }
 }
 

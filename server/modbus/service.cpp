@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 #include <netdb.h>
 #include <poll.h>
-#include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 #include <list>
 #include <thread>
 
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/modbus/image.h"
 #include "server/modbus/master.h"
@@ -85,7 +85,7 @@ struct Service::State {
         panel.refresh();
         image.tick(Image::Clock::now());
       } catch (const std::exception& e) {  // no memory or no thread: the connected masters are still served
-        spdlog::error("modbus: {}", failure_text(e));
+        log_error("modbus: {}", failure_text(e));
         poll(nullptr, 0, kTick_ms);
       }
     }
@@ -104,7 +104,7 @@ struct Service::State {
     const LogFields fields{{"client", host}};  // peers can cause these lines in masses
     const std::string refusal = why_not(host, fd);
     if (!refusal.empty()) {
-      spdlog::warn("modbus: a master at {} was refused: {}", host, refusal);
+      log_warning("modbus: a master at {} was refused: {}", host, refusal);
       close(fd);
       return;
     }
@@ -115,14 +115,14 @@ struct Service::State {
         serve_master(master.socket.get(), stop.get(), times, image);
         shutdown(master.socket.get(),
                  SHUT_RDWR);  // it learns of its end now; the socket is closed with the thread
-        spdlog::info("modbus: the master at {} disconnected", master.address);
+        log_info("modbus: the master at {} disconnected", master.address);
         master.done = true;
       });
     } catch (...) {
       masters.pop_back();
       throw;
     }
-    spdlog::info("modbus: a master at {} connected", host);
+    log_info("modbus: a master at {} connected", host);
   }
 
   std::string why_not(const std::string& host, int fd) const {
@@ -154,7 +154,7 @@ Service::Service(const ModbusConfig& config, std::optional<net::ReservedPort> po
                  std::chrono::milliseconds frame_time) {
   if (!port) return;
   state_ = std::make_unique<State>(config, std::move(*port), panel, frame_time);
-  spdlog::info("modbus: on {}, unit ids 1 to {}", state_->address, panel.radars());
+  log_info("modbus: on {}, unit ids 1 to {}", state_->address, panel.radars());
 }
 
 Service::~Service() = default;

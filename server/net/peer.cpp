@@ -1,10 +1,9 @@
 #include "server/net/peer.h"
 
-#include <spdlog/spdlog.h>
-
 #include <string_view>
 #include <utility>
 
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/net/rights.h"
 #include "terrain/base/units.h"
@@ -35,15 +34,13 @@ std::string asked_for(const Peer& peer) {
   return names.empty() ? "nothing" : names;
 }
 
-spdlog::level::level_enum level_of(const Peer& peer) {
-  return peer.is_guest ? spdlog::level::info : spdlog::level::debug;
-}
+LogLevel level_of(const Peer& peer) { return peer.is_guest ? LogLevel::info : LogLevel::debug; }
 
 }  // namespace
 
 void log_arrival(Peer& peer, const std::string& introduction) {
   peer.introduction = introduction;
-  spdlog::debug("{} connected {}", peer.name, introduction);
+  log_debug("{} connected {}", peer.name, introduction);
 }
 
 void log_request(Peer& peer, MessageType type) {
@@ -53,20 +50,20 @@ void log_request(Peer& peer, MessageType type) {
 
 void log_as_guest(Peer& peer) {
   if (std::exchange(peer.is_guest, true)) return;
-  spdlog::info("{} connected {}", peer.name, peer.introduction);
+  log_info("{} connected {}", peer.name, peer.introduction);
 }
 
 void log_doing(const Peer& peer, const std::string& radar, const std::string& what) {
   const LogFields fields{{"client", peer.name}, {"radar", radar}};
-  spdlog::log(level_of(peer), "radar {}: {}", radar, what);
+  log_line(level_of(peer), "radar {}: {}", radar, what);
 }
 
 void log_end(const Peer& peer) {
   const LogFields fields{{"client", peer.name}};
-  if (peer.is_guest) return spdlog::info("{} disconnected", peer.name);
-  spdlog::log(only_moved(peer) ? spdlog::level::debug : spdlog::level::info,
-              "{} asked for {} and disconnected after {:.2f} s", peer.name, asked_for(peer),
-              seconds_since(peer.since));
+  if (peer.is_guest) return log_info("{} disconnected", peer.name);
+  log_line(only_moved(peer) ? LogLevel::debug : LogLevel::info,
+           "{} asked for {} and disconnected after {:.2f} s", peer.name, asked_for(peer),
+           seconds_since(peer.since));
 }
 
 std::string_view advice(wire::ErrorNumber number) {

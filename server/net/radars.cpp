@@ -1,11 +1,10 @@
 #include "server/net/radars.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/net/exercise/exercise_log.h"
 #include "server/net/peer.h"
@@ -90,7 +89,7 @@ void Radars::watch_as_the_role_allows(LiveRadar& radar, Peer& peer) {
                            " now: the subscription no longer has " + lost +
                            (is_over ? ", and has ended" : "");
   peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low, text, {}, radar.name));
-  spdlog::warn("radar {}: {}: {}", radar.name, peer.name, text);
+  log_warning("radar {}: {}: {}", radar.name, peer.name, text);
 }
 
 void Radars::check_windows(LiveRadar& radar) const {
@@ -174,8 +173,8 @@ wire::ClaimSet Radars::take_over(LiveRadar& radar, wire::ClaimSet claims, Peer& 
     const std::string told =
         "radar " + radar.name + ": " + wire::claim_names(taken) + " taken over by " + by.name;
     holder->send(MessageType::error, make_error(0, ErrorNumber::controlled_by_other, told, {}, radar.name));
-    spdlog::warn("radar {}: {} takes {} from {}; give it a token of another role if it should not",
-                 radar.name, by.name, wire::claim_names(taken), holder->name);
+    log_warning("radar {}: {} takes {} from {}; give it a token of another role if it should not", radar.name,
+                by.name, wire::claim_names(taken), holder->name);
   });
   return all;
 }
@@ -194,8 +193,8 @@ void Radars::check_role(Peer& peer) {
   for (LiveRadar& radar : radars_) {
     const wire::ClaimSet released = release(radar, wire::kEveryClaim, peer);
     if (released == 0) continue;
-    spdlog::warn("radar {}: {} released, the role of {} is {} now", radar.name, wire::claim_names(released),
-                 peer.name, security::role_name(peer.role));
+    log_warning("radar {}: {} released, the role of {} is {} now", radar.name, wire::claim_names(released),
+                peer.name, security::role_name(peer.role));
     peer.send(MessageType::error, make_error(0, ErrorNumber::role_too_low,
                                              "control of radar " + radar.name +
                                                  " needs the role controller; this client's token gives " +
@@ -254,7 +253,7 @@ void Radars::show(LiveRadar& radar) {
 
 void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::string& by) {
   if (wanted.freeze && *wanted.freeze != radar.frozen) {
-    spdlog::info("radar {}: {} by {}", radar.name, *wanted.freeze ? "frozen" : "thawed", by);
+    log_info("radar {}: {} by {}", radar.name, *wanted.freeze ? "frozen" : "thawed", by);
     radar.frozen = *wanted.freeze;
     if (radar.frozen && !held_) hold_view(radar);
     if (!radar.frozen) {
@@ -262,7 +261,7 @@ void Radars::flip(LiveRadar& radar, const RadarSwitches& wanted, const std::stri
     }
   }
   if (wanted.transmit && *wanted.transmit != radar.transmit) {
-    spdlog::info("radar {}: transmit {} by {}", radar.name, *wanted.transmit ? "on" : "off", by);
+    log_info("radar {}: transmit {} by {}", radar.name, *wanted.transmit ? "on" : "off", by);
     radar.transmit = *wanted.transmit;
     update_demand(radar);
   }
@@ -308,10 +307,10 @@ void Radars::note_ground(LiveRadar& radar, const std::string& warning) {
   if (was_off == radar.off_the_map) return;
   const LogFields fields{{"radar", radar.name}};
   if (was_off) {
-    spdlog::info("radar {}: is over ground that files cover again", radar.name);
+    log_info("radar {}: is over ground that files cover again", radar.name);
   } else {
-    spdlog::warn("radar {}: {}; name files of that ground in terrain.dem, or bring it back", radar.name,
-                 warning);
+    log_warning("radar {}: {}; name files of that ground in terrain.dem, or bring it back", radar.name,
+                warning);
   }
 }
 
@@ -356,8 +355,8 @@ void Radars::note_fault(std::size_t number, const rendering::LiveView& view,
   radar.faults_told = now;
   const LogFields fields{{"radar", radar.name}};
   for (const FieldError& error : errors)
-    spdlog::warn("radar {}: {}; no frames until its settings or its pose are changed", radar.name,
-                 error.text());
+    log_warning("radar {}: {}; no frames until its settings or its pose are changed", radar.name,
+                error.text());
   for (const Watcher& watcher : radar.watchers) send_fault(radar, *watcher.peer);
 }
 

@@ -1,13 +1,12 @@
 #include "server/net/room.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "proto/ground_record.h"
 #include "proto/obliq.pb.h"
 #include "server/control/settings_message.h"
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/net/requests/requests.h"
 #include "server/rendering/replay_control.h"
@@ -199,7 +198,7 @@ void Room::make_room_before_hello() {
     return peer->is_waiting() && security::network_of(peer->host) == most;
   });
   const LogFields fields{{"client", oldest->name}};
-  spdlog::warn(
+  log_warning(
       "{}: has not sent Hello and was closed for a new connection: server.max_waiting is {}; raise that "
       "limit, or "
       "look at the open connections",
@@ -228,7 +227,7 @@ void Room::on_appraised(const rendering::AppraisalPtr& appraisal, const std::vec
       handle_kept(peer, faults);
     } catch (const std::exception& e) {  // no memory, above all: it costs this client alone
       const LogFields fields{{"client", peer->name}};
-      spdlog::error("{}: {}; connection closed", peer->name, failure_text(e));
+      log_error("{}: {}; connection closed", peer->name, failure_text(e));
       peer->drop();
     }
   });

@@ -1,12 +1,11 @@
 #include "server/net/server.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <boost/asio.hpp>
 #include <chrono>
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
+#include "server/log/log.h"
 #include "server/net/panel.h"
 #include "server/net/room.h"
 #include "server/net/session.h"
@@ -81,14 +80,14 @@ asio::awaitable<void> Server::State::accept() {
     if (!trouble.empty()) {
       // Connected clients are served as before; new ones wait.
       if (!in_trouble)
-        spdlog::error(
+        log_error(
             "cannot accept a connection: {}; if descriptors have run out, raise their limit (ulimit -n, "
             "LimitNOFILE=)",
             trouble);
       asio::steady_timer pause(io, std::chrono::milliseconds(200));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     } else if (in_trouble) {
-      spdlog::info("connections are accepted again");
+      log_info("connections are accepted again");
     }
     in_trouble = !trouble.empty();
   }
@@ -115,7 +114,7 @@ void Server::State::stop() {
   if (stopping) return;
   stopping = true;
   const ServerOptions& options = room->options();
-  spdlog::info("stopping: frames in progress and queues have {:g} s to finish", options.stop_limit_s);
+  log_info("stopping: frames in progress and queues have {:g} s to finish", options.stop_limit_s);
   // Stop rendering before the port closes, so that a closed port implies no new frames.
   room->finish();
   error_code ignored;
@@ -125,7 +124,7 @@ void Server::State::stop() {
   limit.expires_after(from_seconds(frames_s));
   limit.async_wait([this](error_code error) {
     if (error) return;
-    spdlog::warn("frames are aborted after server.stop_limit_s; raise that limit to give them longer");
+    log_warning("frames are aborted after server.stop_limit_s; raise that limit to give them longer");
     room->stop();
   });
 }

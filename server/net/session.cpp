@@ -1,7 +1,5 @@
 #include "server/net/session.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <array>
 #include <boost/asio.hpp>
@@ -10,6 +8,7 @@
 #include <utility>  // Boost 1.74's coroutines use std::exchange without including it
 
 #include "proto/obliq.pb.h"
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/net/peer.h"
 #include "server/net/requests/requests.h"
@@ -88,7 +87,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
             std::span<const std::byte> plane) override {
     if (phase_ == Phase::closed) return;
     if (outbox.control_size() > kMaxControlWaiting) {
-      spdlog::warn("{}: does not read its messages; connection closed", name);
+      log_warning("{}: does not read its messages; connection closed", name);
       return close();
     }
     outbox.push_control(
@@ -103,8 +102,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     {
       const LogFields fields{{"client", name}, {"error", std::int64_t{static_cast<std::uint32_t>(number)}}};
       const bool expected = number == ErrorNumber::server_stopping;
-      spdlog::log(expected ? spdlog::level::debug : spdlog::level::warn, "{}: {}; connection closed{}", name,
-                  text, advice(number));
+      log_line(expected ? LogLevel::debug : LogLevel::warning, "{}: {}; connection closed{}", name, text,
+               advice(number));
     }
     // Without TLS there is no way to say it.
     if (!transport_->is_ready()) return close();
@@ -146,7 +145,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
             if (failure) std::rethrow_exception(failure);
           } catch (const std::exception& e) {
             const LogFields fields{{"client", self->name}};
-            spdlog::error(
+            log_error(
                 "{}: {}; connection closed; if memory runs out, lower server.max_clients, "
                 "server.queue_frames or server.max_bins",
                 self->name, failure_text(e));
@@ -177,13 +176,13 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
         co_await result_of<Transport::Start>([this](auto done) { transport_->start(std::move(done)); });
     if (start == Transport::Start::failed && phase_ != Phase::closed) {
       const LogFields fields{{"client", name}};
-      spdlog::warn(
+      log_warning(
           "{}: TLS handshake failed: {}; connection closed; an obliq client must trust "
           "server.tls_certificate",
           name, transport_->description());
     }
     if (phase_ == Phase::closed || start == Transport::Start::failed) co_return close();
-    spdlog::debug("{}: connected, {}", name, transport_->description());
+    log_debug("{}: connected, {}", name, transport_->description());
     spawn(&Session::write_outbox);
     if (start == Transport::Start::plain_peer)
       fail(ErrorNumber::tls_required, "this server speaks TLS only (obliq: --tls)");
@@ -274,7 +273,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
     }
     if (!some && got == Transport::Transfer::end && phase_ < Phase::ending) {
       const LogFields fields{{"client", name}};
-      spdlog::warn("{}: left in the middle of a message; if that repeats, check its network", name);
+      log_warning("{}: left in the middle of a message; if that repeats, check its network", name);
     }
     last_read_ = Clock::now();
     // The end is reported once: a second read would wait for ever.
@@ -299,8 +298,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
       written_.raise();
       arm(write_deadline_, room_->options().stall_timeout_s, [](Session& self) {
         const LogFields fields{{"client", self.name}};
-        spdlog::warn("{}: reads too slowly; connection closed{}", self.name,
-                     advice(ErrorNumber::reads_too_slowly));
+        log_warning("{}: reads too slowly; connection closed{}", self.name,
+                    advice(ErrorNumber::reads_too_slowly));
         self.close();
       });
       const Transport::Transfer put = co_await result_of<Transport::Transfer>(

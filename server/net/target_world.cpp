@@ -1,7 +1,5 @@
 #include "server/net/target_world.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <glm/common.hpp>
 #include <set>
@@ -11,6 +9,7 @@
 #include "proto/obliq.pb.h"
 #include "server/control/key.h"
 #include "server/control/target_message.h"
+#include "server/log/log.h"
 #include "server/net/exercise/exercise_log.h"
 #include "server/net/peer.h"
 #include "server/net/requests/requests.h"
@@ -79,8 +78,8 @@ void TargetWorld::claim(Peer& by) {
     log_as_guest(*holder);
     holder->send(wire::MessageType::error,
                  make_error(0, wire::ErrorNumber::controlled_by_other, "targets: taken over by " + by.name));
-    spdlog::warn("targets: {} takes them from {}; give it a token of another role if it should not", by.name,
-                 holder->name);
+    log_warning("targets: {} takes them from {}; give it a token of another role if it should not", by.name,
+                holder->name);
   } else {
     log_.claimed(nullptr, wire::kTargetsClaim, by.name);
   }

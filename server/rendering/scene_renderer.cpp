@@ -1,12 +1,11 @@
 #include "server/rendering/scene_renderer.h"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <exception>
 #include <utility>
 
 #include "proto/obliq.pb.h"
+#include "server/log/log.h"
 #include "server/output/describe_frame.h"
 #include "server/output/describe_targets.h"
 #include "server/radar/frame_plan.h"
@@ -23,14 +22,14 @@ namespace {
 constexpr std::chrono::milliseconds kMoment{5};
 
 std::string build(const std::shared_ptr<const Scene>& scene) {
-  spdlog::info("a frustum needs traced rays: building the ray-tracing scene");
+  log_info("a frustum needs traced rays: building the ray-tracing scene");
   try {
     scene->tracer();
   } catch (const std::exception& error) {
     return failure_text(error);
   }
-  spdlog::info("{}", tracer_line(*scene));
-  spdlog::info("{}", memory_line(*scene));
+  log_info("{}", tracer_line(*scene));
+  log_info("{}", memory_line(*scene));
   return {};
 }
 

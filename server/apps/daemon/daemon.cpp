@@ -1,7 +1,6 @@
 #include "server/apps/daemon/daemon.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -29,6 +28,7 @@
 #include "server/http/metrics.h"
 #include "server/http/page_routes.h"
 #include "server/loading/scene_loading.h"
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/modbus/service.h"
 #include "server/net/io_thread.h"
@@ -70,7 +70,7 @@ void check_radar(const rendering::FrameRenderer& renderer, const RadarConfig& ra
   plan.frame->describe(radar.name, descriptor);
   for (const std::string& warning : descriptor.warnings()) {
     const bool said = std::ranges::find(loaded.warnings, warning) != loaded.warnings.end();
-    if (!said) spdlog::warn("radar {}: {}", radar.name, warning);
+    if (!said) log_warning("radar {}: {}", radar.name, warning);
   }
 }
 
@@ -122,8 +122,8 @@ void Daemon::run() {
   const ServerConfig& server = config_.server;
   check_protection(config_);
   security_ = server_security(server);
-  for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
-  for (const std::string& warning : address_warnings(config_)) spdlog::warn("{}", warning);
+  for (const std::string& warning : security_->warnings()) log_warning("{}", warning);
+  for (const std::string& warning : address_warnings(config_)) log_warning("{}", warning);
   net::ReservedPort port(server.address, static_cast<std::uint16_t>(server.port));
   auto modbus_port = modbus::reserve(config_.modbus);
   if (config_.http.enabled) open_http();
@@ -132,7 +132,7 @@ void Daemon::run() {
   io_.post([this] { keep_pulse(); });
   load();
   serve(std::move(port), std::move(modbus_port));
-  spdlog::info("stopped");
+  log_info("stopped");
 }
 
 void Daemon::heed_signals() {
@@ -154,16 +154,16 @@ void Daemon::wait_for_signal() {
 void Daemon::end_by(double limit_s) {
   std::thread([limit_s] {
     std::this_thread::sleep_for(from_seconds(limit_s));
-    spdlog::warn("stopped at server.stop_limit_s; unfinished work was dropped");
-    spdlog::default_logger()->flush();
+    log_warning("stopped at server.stop_limit_s; unfinished work was dropped");
+    flush_log();
     _exit(0);
   }).detach();
 }
 
 void Daemon::on_signal() {
   if (serving_ == nullptr) {
-    spdlog::info("stopping while loading");
-    spdlog::default_logger()->flush();
+    log_info("stopping while loading");
+    flush_log();
     _exit(0);  // no client is served yet, and loading cannot be interrupted
   }
   readiness_.stopping();
@@ -208,7 +208,7 @@ void Daemon::open_http() {
                                          websocket::upgrade(
                                              io_.context(), [this] { return serving_; },
                                              [this] { return http::readiness_page(readiness_.state()); }));
-  spdlog::info("HTTP on {}: /, {}, /healthz, /readyz, /metrics", http_->address(), websocket::kPath);
+  log_info("HTTP on {}: /, {}, /healthz, /readyz, /metrics", http_->address(), websocket::kPath);
 }
 
 /// A log line per stage and quarter; /readyz knows better.
@@ -222,7 +222,7 @@ Progress Daemon::progress() {
     const int quarter = static_cast<int>(fraction * 4);
     if (stage == last->stage && quarter <= last->quarter) return;
     *last = {std::string(stage), quarter};
-    spdlog::info("{}: {} %", stage, 25 * quarter);
+    log_info("{}: {} %", stage, 25 * quarter);
     service_manager::status(fmt::format("loading: {}, {} %", last->stage, 25 * quarter));
   };
 }
@@ -230,7 +230,7 @@ Progress Daemon::progress() {
 void Daemon::load() {
   const auto begin = std::chrono::steady_clock::now();
   const auto say = [](const ReportLine& line) {
-    spdlog::log(line.warns ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
+    log_line(line.warns ? LogLevel::warning : LogLevel::info, "{}", line.text);
   };
   const Progress tell = progress();
   for (const std::string& note : config_.notes) say(note);
@@ -287,8 +287,8 @@ void Daemon::serve(net::ReservedPort port, std::optional<net::ReservedPort> modb
     readiness_.ready();
     const std::string serving = "serving " + names + " on " + server_->address();
     service_manager::ready(serving);
-    if (http_) spdlog::info("the picture in a browser: {}", http_->url());
-    spdlog::info("ready: {} on {}", names, server_->address());
+    if (http_) log_info("the picture in a browser: {}", http_->url());
+    log_info("ready: {} on {}", names, server_->address());
     reloader_->serve(*server_, *keeper_, serving);
   });
   io_.join();
@@ -309,7 +309,7 @@ void heed_signals_before_start() {
   (void)std::signal(SIGHUP, SIG_IGN);  // nothing to reload yet
   for (const int signal : {SIGINT, SIGTERM}) {
     if (sigaction(signal, &action, nullptr) != 0)
-      spdlog::warn("signal {} cannot be handled; only SIGKILL will end this process", signal);
+      log_warning("signal {} cannot be handled; only SIGKILL will end this process", signal);
   }
 }
 

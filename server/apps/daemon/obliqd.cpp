@@ -1,7 +1,6 @@
 // The daemon: loads a scene and serves its radars.
 #include <google/protobuf/stubs/logging.h>
 #include <malloc.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "server/apps/daemon/daemon.h"
 #include "server/apps/scene_arguments.h"
 #include "server/apps/version/version.h"
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "terrain/base/errors.h"
 
@@ -31,7 +31,7 @@ void keep_memory_together() {
 void take_over_library_logs() {
   google::protobuf::SetLogHandler(
       [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
-        spdlog::debug("protobuf: {}", message);  // the request is answered with an Error, which is logged
+        obliq::log_debug("protobuf: {}", message);  // the request is answered with an Error, which is logged
       });
 }
 
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
     std::cerr << "obliqd: " << obliq::explain_parse_failure(app, e, argc, argv) << '\n';
   } catch (const std::exception& e) {
     if (log.format == obliq::LogFormat::json) {
-      spdlog::error("{}", obliq::failure_text(e));
+      obliq::log_error("{}", obliq::failure_text(e));
     } else {
       std::cerr << "obliqd: " << obliq::failure_text(e) << '\n';
     }

@@ -1,7 +1,6 @@
 #include "server/apps/daemon/reloader.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
@@ -17,6 +16,7 @@
 #include "server/control/sections/targets.h"
 #include "server/flight/scene_keeper.h"
 #include "server/loading/scene_loading.h"
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 #include "server/net/panel.h"
 #include "server/net/server.h"
@@ -112,7 +112,7 @@ void Reloader::serve(net::Server& server, SceneKeeper& keeper, std::string text)
 }
 
 void Reloader::begin() {
-  spdlog::info("reloading {}", arguments_.file);
+  log_info("reloading {}", arguments_.file);
   const int number = ++newest_;
   reading_ = true;
   wanted_ = server_ == nullptr;
@@ -138,9 +138,9 @@ void Reloader::read_security(int number, net::Server* server) {
 void Reloader::security_was_read(int number, const std::string& taken,
                                  const std::vector<std::string>& faults) {
   for (const std::string& fault : faults)
-    spdlog::error("reload: {}; the old one stays in effect; fix it and send SIGHUP again", fault);
-  for (const std::string& warning : security_->warnings()) spdlog::warn("{}", warning);
-  if (!taken.empty()) spdlog::info("reload: {}", taken);
+    log_error("reload: {}; the old one stays in effect; fix it and send SIGHUP again", fault);
+  for (const std::string& warning : security_->warnings()) log_warning("{}", warning);
+  if (!taken.empty()) log_info("reload: {}", taken);
   if (server_ != nullptr && number == newest_)
     boost::asio::post(readers_->scene, [this, number, taken] { read_scene(number, taken); });
 }
@@ -155,7 +155,7 @@ void Reloader::read_scene(int number, const std::string& taken) {
     go_on();
     read.wanted = load_scene_file(arguments_.file, {arguments_.set});
     read.to_build = read.wanted;
-    const auto say = [](const ReportLine& line) { spdlog::info("{}", line.text); };
+    const auto say = [](const ReportLine& line) { log_info("{}", line.text); };
     meet_accuracy(read.to_build, say, [&](std::string_view, double) { go_on(); });
     go_on();
   } catch (const std::exception& e) {
@@ -168,22 +168,21 @@ void Reloader::take_over(int number, const std::string& taken, Read read) {
   if (number != newest_) return;  // the newer one tells its own story
   reading_ = false;
   if (!read.fault.empty()) {
-    spdlog::error(
-        "reload refused; scene, radars and limits are unchanged{}: {}; fix it and send SIGHUP again",
-        but(taken), read.fault);
+    log_error("reload refused; scene, radars and limits are unchanged{}: {}; fix it and send SIGHUP again",
+              but(taken), read.fault);
     return rest();
   }
   for (const std::string& key : keys_for_restart(at_start_, read.wanted))
-    spdlog::warn("reload: {} differs from what runs; restart obliqd to apply it", key);
+    log_warning("reload: {} differs from what runs; restart obliqd to apply it", key);
   open_log(read.wanted.log);
   server_->set_limits(read.wanted.server);
   take_over_radars(read.wanted, read.to_build);
   const std::string signature = scene_signature(read.wanted);
   if (building_ && building_->signature == signature) {
-    spdlog::info("reloaded: the scene of this file is being built already");
+    log_info("reloaded: the scene of this file is being built already");
   } else if (signature == signature_) {
     if (std::exchange(building_, std::nullopt)) keeper_->give_up_reload();
-    spdlog::info("reloaded: the scene is the same");
+    log_info("reloaded: the scene is the same");
   } else {
     build(number, taken, signature, std::move(read.to_build));
   }
@@ -218,14 +217,14 @@ void Reloader::take_over_radars(const SceneConfig& wanted, const SceneConfig& to
     if (change.settings.empty() && !change.pattern_file) continue;
     const net::PanelAnswer answer = server_->panel().apply(known->name, change);
     if (answer.verdict == net::PanelVerdict::done) {
-      spdlog::info("radar {}: {}", known->name, text);
+      log_info("radar {}: {}", known->name, text);
       *known = as_it_rides(wanted.radars[i], *known);
     } else if (answer.verdict == net::PanelVerdict::controlled) {
-      spdlog::warn("radar {}: {}; it keeps its own and takes \"{}\" at a SIGHUP while no client holds them",
-                   known->name, answer.held, text);
+      log_warning("radar {}: {}; it keeps its own and takes \"{}\" at a SIGHUP while no client holds them",
+                  known->name, answer.held, text);
     } else {
-      spdlog::error("radar {}: not applied: {}: {}; fix it and send SIGHUP again", known->name, text,
-                    all_text(answer.errors));
+      log_error("radar {}: not applied: {}: {}; fix it and send SIGHUP again", known->name, text,
+                all_text(answer.errors));
     }
   }
   in_file_ = wanted;
@@ -245,10 +244,10 @@ void Reloader::built(int number, const std::string& fault) {
   const Building done = *std::exchange(building_, std::nullopt);
   if (fault.empty()) {
     signature_ = done.signature;
-    spdlog::info("reloaded: serving the new scene");
+    log_info("reloaded: serving the new scene");
   } else {
-    spdlog::error("reload failed; still serving the previous scene{}: {}; fix it and send SIGHUP again",
-                  but(done.taken), joined(fault));
+    log_error("reload failed; still serving the previous scene{}: {}; fix it and send SIGHUP again",
+              but(done.taken), joined(fault));
   }
   rest();
 }

@@ -1,10 +1,9 @@
 #include "server/net/exercise/exercise.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 
 #include "proto/obliq.pb.h"
+#include "server/log/log.h"
 #include "server/net/exercise/exercise_platforms.h"
 #include "server/net/exercise/exercise_radars.h"
 #include "server/net/exercise/exercise_targets.h"
@@ -55,7 +54,7 @@ std::vector<FieldError> Exercise::load(const wire::ExerciseState& state, const s
   wire::ExerciseState told = state;
   hide_targets(told);
   room_.log().loaded(told, by);
-  spdlog::info("exercise: a state of {} radars loaded by {}", state.radars_size(), by);
+  log_info("exercise: a state of {} radars loaded by {}", state.radars_size(), by);
   return {};
 }
 
@@ -68,7 +67,7 @@ void Exercise::reset(const std::string& name, const std::string& by) {
                        [&](const wire::RadarState& radar) { return radar.radar() != name; }),
         all.mutable_radars()->end());
   room_.log().reset(name, all, by);
-  spdlog::info("exercise: {} reset to the scene file by {}", name.empty() ? "all" : "radar " + name, by);
+  log_info("exercise: {} reset to the scene file by {}", name.empty() ? "all" : "radar " + name, by);
 }
 
 void Exercise::freeze(bool on, const std::string& by) {
@@ -76,7 +75,7 @@ void Exercise::freeze(bool on, const std::string& by) {
   frozen_ = on;
   for (const auto& part : parts_) part->freeze(on);
   room_.log().froze(on, by);
-  spdlog::info("exercise: {} by {}", on ? "frozen" : "goes on", by);
+  log_info("exercise: {} by {}", on ? "frozen" : "goes on", by);
 }
 
 }  // namespace obliq::net

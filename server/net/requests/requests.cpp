@@ -1,7 +1,5 @@
 #include "server/net/requests/requests.h"
 
-#include <spdlog/spdlog.h>
-
 #include <string>
 #include <type_traits>
 
@@ -9,6 +7,7 @@
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
+#include "server/log/log.h"
 #include "server/net/peer.h"
 #include "server/net/rights.h"
 #include "server/net/room.h"

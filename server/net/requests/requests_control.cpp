@@ -1,5 +1,4 @@
 // Requests about roles and control.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include "proto/limits.h"
 #include "proto/message_header.h"
 #include "proto/obliq.pb.h"
+#include "server/log/log.h"
 #include "server/net/peer.h"
 #include "server/net/requests/requests.h"
 #include "server/net/rights.h"

@@ -1,13 +1,13 @@
 // Tokens and roles: who may come, who may do what, and that no token is ever written down.
 // What the log says of connections: one line for who only asks, none for a pose, all of it for guests.
 #include <gtest/gtest.h>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
 #include <sstream>
 #include <thread>
 
 #include "proto/obliq.pb.h"
+#include "server/log/log.h"
 #include "server/security/security.h"
 #include "terrain/base/errors.h"
 #include "tests/integration/daemon.h"
@@ -161,7 +161,7 @@ TEST_F(Roles, NoTokenIsEverWrittenToTheLog) {
     EXPECT_TRUE(admin.claim_control("main", true).ok());
     write("viewer " + std::string(kViewer) + "\nadmin " + wrong + " short\nnothing " + kOther + "\n");
     EXPECT_NE(complaint(folder / "tokens"), "");
-    spdlog::error("{}", complaint(folder / "tokens"));  // as a reload would
+    log_error("{}", complaint(folder / "tokens"));  // as a reload would
   }
   const std::string text = log.text();
   EXPECT_NE(text.find("connected as controller with the token of console"), std::string::npos) << text;

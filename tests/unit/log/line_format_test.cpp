@@ -1,6 +1,5 @@
 // Log lines: what a program reads from the JSON, and that nobody can forge a line.
 #include <gtest/gtest.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <sstream>
 #include <thread>
 
+#include "server/log/log.h"
 #include "server/log/service_log.h"
 
 namespace obliq::test::line_format_test {
@@ -75,7 +75,7 @@ TEST(ServiceLog, AMessageOfAMegabyteIsCut) {
     LogConfig config;
     config.format = format;
     open_log(config);
-    spdlog::warn("{}", much);
+    log_warning("{}", much);
     const std::string text = testing::internal::GetCapturedStderr();
     EXPECT_LT(text.size(), kLongestMessageBytes + 200);
     EXPECT_NE(text.find("xxx... and 995904 bytes more"), std::string::npos) << text.substr(4000);
@@ -92,9 +92,9 @@ TEST(ServiceLog, WhatAPeerCausesInMassesIsBoundedAndCounted) {
   constexpr int kMany = 100'000;
   {
     const LogFields fields{{"client", std::string("a flood")}};
-    for (int i = 0; i < kMany; ++i) spdlog::warn("refused");
+    for (int i = 0; i < kMany; ++i) log_warning("refused");
   }
-  spdlog::warn("the operator's own");
+  log_warning("the operator's own");
   std::string text = testing::internal::GetCapturedStderr();
   // Until the second of the last ones is over.
   while (text.find("more lines") == std::string::npos ||

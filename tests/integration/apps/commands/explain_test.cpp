@@ -70,6 +70,13 @@ Row row_named(const std::vector<Row>& rows, const std::string& name) {
 
 double number(const Row& row, const std::string& column) { return std::stod(row.at(column)); }
 
+constexpr auto kTown =
+    "[terrain]\nsynthetic = \"hills\"\ncell_m = 40.0\nshape = {height_m = 300.0}\n"
+    "[[prisms]]\nper_km2 = 60.0\n[materials.terrain]\ngamma_db = -15.0\n"
+    "[antenna]\nheight_m = 1500\n[radar]\nsector_deg = 60\nr_min_m = 2000\nr_max_m = 5000\n"
+    "range_normalisation = true\n"
+    "[frustum]\nkind = \"oblique\"\npixels = 256\n[bins]\nazimuth = 40\nrange = 64\n";
+
 class Explain : public testing::Test {
  protected:
   Outcome explain(const std::string& scene, const std::vector<std::string>& more = {}) {
@@ -81,6 +88,24 @@ class Explain : public testing::Test {
   std::vector<Row> rows() const { return rows_of(text_of(folder_ / "out_files" / "explain.csv")); }
 
   TestFolder folder_;
+};
+
+/// The town, explained once for several tests.
+class ExplainedTown : public Explain {
+ protected:
+  void SetUp() override {
+    static const Outcome outcome = explain(kTown);
+    static const std::vector<Row> rows_of_town = rows();
+    static const std::string markdown = text_of(folder_ / "out_files" / "explain.md");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    outcome_ = outcome;
+    town_ = rows_of_town;
+    markdown_ = markdown;
+  }
+
+  Outcome outcome_;
+  std::vector<Row> town_;
+  std::string markdown_;
 };
 
 /// Level ground from 1 km, in few bins.
@@ -148,17 +173,8 @@ TEST_F(Explain, AFlatSceneIsToldWhatCurvatureWouldAdd) {
   EXPECT_NEAR(number(row_named(all, "refraction"), "height_shift_m"), 282.5 - 211.9, 0.8);
 }
 
-constexpr auto kTown =
-    "[terrain]\nsynthetic = \"hills\"\ncell_m = 40.0\nshape = {height_m = 300.0}\n"
-    "[[prisms]]\nper_km2 = 60.0\n[materials.terrain]\ngamma_db = -15.0\n"
-    "[antenna]\nheight_m = 1500\n[radar]\nsector_deg = 60\nr_min_m = 2000\nr_max_m = 5000\n"
-    "range_normalisation = true\n"
-    "[frustum]\nkind = \"oblique\"\npixels = 256\n[bins]\nazimuth = 40\nrange = 64\n";
-
-TEST_F(Explain, BuildingsWallsAndMaterialsAreTakenOutOneByOne) {
-  const Outcome outcome = explain(kTown);
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const std::vector<Row> all = rows();
+TEST_F(ExplainedTown, BuildingsWallsAndMaterialsAreTakenOutOneByOne) {
+  const std::vector<Row>& all = town_;
   const Row scene = row_named(all, "scene");
   const Row walls = row_named(all, "building walls");
   const Row none = row_named(all, "buildings");
@@ -179,31 +195,27 @@ TEST_F(Explain, BuildingsWallsAndMaterialsAreTakenOutOneByOne) {
             number(row_named(all, "sampling noise of this measurement"), "median_db"));
 }
 
-TEST_F(Explain, TextFitsAHundredColumnsAndMarkdownHasTheSameVerdicts) {
-  const Outcome outcome = explain(kTown);
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_TRUE(outcome.err.starts_with("terrain: ")) << outcome.err;
-  std::istringstream lines(outcome.out);
+TEST_F(ExplainedTown, TextFitsAHundredColumnsAndMarkdownHasTheSameVerdicts) {
+  EXPECT_TRUE(outcome_.err.starts_with("terrain: ")) << outcome_.err;
+  std::istringstream lines(outcome_.out);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;
-  const std::string markdown = text_of(folder_ / "out_files" / "explain.md");
-  for (const Row& row : rows()) {
+  for (const Row& row : town_) {
     if (row.at("advice").empty()) continue;
-    EXPECT_NE(markdown.find(row.at("advice")), std::string::npos) << row.at("ingredient");
+    EXPECT_NE(markdown_.find(row.at("advice")), std::string::npos) << row.at("ingredient");
   }
 }
 
-TEST_F(Explain, TheSameSceneGivesTheSamePowersOnAnyNumberOfThreads) {
-  std::vector<std::string> first;
-  for (const char* threads : {"1", "3"}) {
-    ASSERT_EQ(explain(kTown, {"--threads", threads}).code, 0);
-    std::vector<std::string> measures;
-    for (const Row& row : rows())
+TEST_F(ExplainedTown, HasTheSamePowersOnAnyNumberOfThreads) {
+  const auto measures = [](const std::vector<Row>& of) {
+    std::vector<std::string> found;
+    for (const Row& row : of)
       for (const char* column :
            {"median_db", "percentile95_db", "over_1_db", "vanished", "appeared", "total_db"})
-        measures.push_back(row.at(column));
-    if (first.empty()) first = measures;
-    EXPECT_EQ(measures, first);
-  }
+        found.push_back(row.at(column));
+    return found;
+  };
+  ASSERT_EQ(explain(kTown, {"--threads", "3"}).code, 0);
+  EXPECT_EQ(measures(rows()), measures(town_));
 }
 
 TEST_F(Explain, AFrustumThatSamplesNothingIsSaidInWords) {
