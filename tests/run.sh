@@ -35,7 +35,7 @@ step "test"
 log=build/release/tests.log
 status=0
 ctest --test-dir build/release --parallel "$(($(nproc) + 2))" --timeout 600 --output-on-failure --no-tests=error \
-  --output-junit "$root/build/release/tests.xml" "${select_tests[@]}" 2>&1 </dev/null | tee "$log" || status=$?
+  --output-junit "$root/build/release/tests.xml" --test-output-size-passed 1000000 "${select_tests[@]}" 2>&1 </dev/null | tee "$log" || status=$?
 step_end
 python3 tests/skipped.py build/release/tests.xml || true
 python3 tests/figures/figures.py --age || true # a word, never a failure

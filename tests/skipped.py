@@ -9,9 +9,13 @@ import sys
 import xml.etree.ElementTree
 
 
+# What GoogleTest writes of a test that is skipped, in a suite whose others may have passed: why, and its name.
+IN_SUITE = re.compile(r"\.(?:cpp|h):\d+: Skipped\n(.*)(?:\n(?!\[).*)*\n\[  SKIPPED \] (\S+)")
+
+
 def reason(output):
-    """GoogleTest's message after "FILE:LINE: Skipped", or a script's line "skipped: ...", or its last words."""
-    match = re.search(r"\.(?:cpp|h):\d+: Skipped\n(.+)", output) or re.search(r"^skipped: (.+)", output, re.MULTILINE)
+    """A script's line "skipped: ...", or its last words."""
+    match = re.search(r"^skipped: (.+)", output, re.MULTILINE)
     lines = output.strip().splitlines()
     return match[1].strip() if match else lines[-1].strip() if lines else "it does not say why"
 
@@ -19,8 +23,12 @@ def reason(output):
 def main(path):
     skipped = collections.defaultdict(list)
     for case in xml.etree.ElementTree.parse(path).iter("testcase"):
-        if case.get("status") == "notrun":
-            skipped[reason(case.findtext("system-out") or "")].append(case.get("name"))
+        output = case.findtext("system-out") or ""
+        of_suite = IN_SUITE.findall(output)
+        for why, name in of_suite:
+            skipped[why.strip() or "it does not say why"].append(name.rstrip(","))
+        if case.get("status") == "notrun" and not of_suite:
+            skipped[reason(output)].append(case.get("name"))
     count = sum(map(len, skipped.values()))
     print(f"{count} test{'' if count == 1 else 's'} skipped" + (":" if count else ""))
     for why, names in sorted(skipped.items(), key=lambda each: -len(each[1])):

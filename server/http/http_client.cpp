@@ -8,9 +8,10 @@
 // The order matters, see above.
 #include <boost/asio.hpp>
 #include <boost/asio/ssl.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/dynamic_body.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/string_body.hpp>
 
 namespace obliq::http {
 
@@ -30,7 +31,8 @@ asio::awaitable<void> converse(Stream& stream, const Question& question, Answer&
   const std::string request = fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n",
                                           question.path, question.address);
   co_await asio::async_write(stream, asio::buffer(request), asio::use_awaitable);
-  bhttp::response_parser<bhttp::string_body> response;
+  // Takes memory for what has come, not for what is named.
+  bhttp::response_parser<bhttp::dynamic_body> response;
   response.body_limit(kMaxBody);
   response.eager(true);
   beast::flat_buffer unread(kMaxBuffer);
@@ -40,7 +42,8 @@ asio::awaitable<void> converse(Stream& stream, const Question& question, Answer&
     const std::size_t read = co_await stream.async_read_some(
         unread.prepare(kMaxBuffer - unread.size()), asio::redirect_error(asio::use_awaitable, error));
     unread.commit(read);
-    if (error == asio::error::eof || error == asio::ssl::error::stream_truncated) {
+    if (error == asio::error::eof) {
+      if (!response.got_some()) throw boost::system::system_error(bhttp::error::end_of_stream);
       response.put_eof(error);
       if (error) throw boost::system::system_error(error);
       break;
@@ -49,7 +52,7 @@ asio::awaitable<void> converse(Stream& stream, const Question& question, Answer&
     unread.consume(response.put(unread.data(), error));
     if (error && error != bhttp::error::need_more) throw boost::system::system_error(error);
   }
-  answer.body = response.get().body();
+  answer.body = beast::buffers_to_string(response.get().body().data());
   answer.status = static_cast<int>(response.get().result_int());
 }
 

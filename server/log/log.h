@@ -7,8 +7,8 @@
 
 namespace obliq {
 
-/// Formats by fmt's rules where the log takes lines of that level. A line for which there is no memory is
-/// left out, which the log says.
+/// Formats by fmt's rules where the log takes lines of that level. A line that cannot be formatted, as
+/// without memory, is left out, which the log says.
 void format_log(LogLevel level, fmt::string_view format, fmt::format_args arguments) noexcept;
 
 template <typename... T>

@@ -165,7 +165,7 @@ void format_log(LogLevel level, fmt::string_view format, fmt::format_args argume
                                       spdlog::string_view_t(fmt::vformat(format, arguments)));
   } catch (const std::exception&) {
     spdlog::default_logger_raw()->log(spdlog_level(level),
-                                      spdlog::string_view_t("a line is missing: no memory for it"));
+                                      spdlog::string_view_t("a line is missing: it could not be formatted"));
   }
 }
 

@@ -108,8 +108,10 @@ double fade(double t) { return t * t * t * (t * (6 * t - 15) + 10); }
 /// that was asked for last: neighbouring posts mostly share it. For one thread.
 class ValueNoise {
  public:
-  double at(std::uint64_t seed, double u, double v) {
-    if (!(u - i_ >= 0 && u - i_ < 1 && v - j_ >= 0 && v - j_ < 1)) enter(seed, std::floor(u), std::floor(v));
+  explicit ValueNoise(std::uint64_t seed = 0) : seed_(seed) {}
+
+  double at(double u, double v) {
+    if (!(u - i_ >= 0 && u - i_ < 1 && v - j_ >= 0 && v - j_ < 1)) enter(std::floor(u), std::floor(v));
     const double s = fade(u - i_);
     const double t = fade(v - j_);
     const double low = corners_[0] + s * (corners_[1] - corners_[0]);
@@ -118,15 +120,16 @@ class ValueNoise {
   }
 
  private:
-  void enter(std::uint64_t seed, double i, double j) {
+  void enter(double i, double j) {
     i_ = i;
     j_ = j;
     const auto a = static_cast<std::int64_t>(i);
     const auto b = static_cast<std::int64_t>(j);
-    const auto value = [&](int right, int up) { return unit_from_hash(hash_cell(seed, a + right, b + up)); };
+    const auto value = [&](int right, int up) { return unit_from_hash(hash_cell(seed_, a + right, b + up)); };
     corners_ = {value(0, 0), value(1, 0), value(0, 1), value(1, 1)};
   }
 
+  std::uint64_t seed_;
   double i_ = std::numeric_limits<double>::quiet_NaN();  // the cell's lower corner
   double j_ = i_;
   std::array<double, 4> corners_{};
@@ -135,14 +138,18 @@ class ValueNoise {
 /// Sum of octaves, each half as long and half as high as the one before: in [0, 1]. For one thread.
 class Fractal {
  public:
-  double at(std::uint64_t seed, double x_m, double z_m) {
+  explicit Fractal(std::uint64_t seed) {
+    for (ValueNoise& octave : octaves_) octave = ValueNoise(seed++);
+  }
+
+  double at(double x_m, double z_m) {
     double sum = 0;
     double weight = 1;
     double total = 0;
     double u = x_m / kLongestWave_m;
     double v = z_m / kLongestWave_m;
-    for (std::size_t octave = 0; octave < octaves_.size(); ++octave) {
-      sum += weight * octaves_[octave].at(seed + octave, u, v);
+    for (ValueNoise& octave : octaves_) {
+      sum += weight * octave.at(u, v);
       total += weight;
       weight /= 2;
       // Each octave is turned by a 3-4-5 angle, or the lattices' lines would coincide and show.
@@ -169,7 +176,8 @@ class Shape {
       : kind_(kind),
         spec_(spec),
         sin_b_(std::sin(spec.bearing_deg * kDegree_rad)),
-        cos_b_(std::cos(spec.bearing_deg * kDegree_rad)) {}
+        cos_b_(std::cos(spec.bearing_deg * kDegree_rad)),
+        hills_(spec.seed) {}
 
   double height_m(double x_m, double z_m) {
     const double along_m = x_m * sin_b_ + z_m * cos_b_;
@@ -191,7 +199,7 @@ class Shape {
         return spec_.base_m + rise_m * std::max(0.0, 1 - away_m / spec_.width_m);
       }
       case SyntheticKind::hills: {
-        const double n = hills_.at(spec_.seed, x_m, z_m);
+        const double n = hills_.at(x_m, z_m);
         // Averages of octaves crowd around 1/2; the smoothstep spreads them without leaving [0, 1].
         return spec_.base_m + spec_.height_m * n * n * (3 - 2 * n);
       }

@@ -60,7 +60,7 @@ class Layout(BasePeople):
                 self.show(f"a=main&overlay=1&panes={panes}", size)
                 for tab in ("view", "radar", "setup", "targets"):
                     with self.subTest(size=size, panes=panes, tab=tab):
-                        self.page.script("obliq.tabs.show(arguments[0])", tab)
+                        self.page.await_value(f"obliq.tabs.show('{tab}'); return obliq.tabs.current", tab, "the tab")
                         self.page.await_script(f"obliq.panes.length === {panes} && obliq.panes.every(({{ ppi }}) => ppi.draws > 2)", "the panes")
                         # As soon as neither scrolls: a busy machine lays the page out late.
                         self.page.await_value(OVER % "document.scrollingElement", [0, 0], "a page that does not scroll")

@@ -60,7 +60,7 @@ class DopplerOverRelief(unittest.TestCase):
                 # By hand.
                 edge_deg = 20.5 * 60 / n_azimuth
                 azimuth, r, sine, area = lit_facets(ground, antenna, bearings[k] + np.arange(-edge_deg, edge_deg, 0.02),
-                                                        ranges[m - 2] - 20, ranges[m + 2] + 20)
+                                                    ranges[m - 2] - 20, ranges[m + 2] + 20)
                 half_m = 17000 / n_range / 2
                 inside = (r >= ranges[m - 2] - half_m) & (r < ranges[m + 2] + half_m)
                 row = np.floor((np.degrees(azimuth) - about["bearing"] + 30) / (60 / n_azimuth)).astype(int)

@@ -109,7 +109,7 @@ def lit_facets(ground, antenna, bearing_deg, from_m, to_m):
     """Facets of the ground along these bearings, between these slant ranges at least, as the antenna sees them: azimuth, slant range,
     sine of elevation, and area square to the line of sight, in m^2, 0 where what is nearer hides it. A few bearings at a time."""
     way = np.arange(60.0, to_m, 2.0)[None, :]
-    first = np.searchsorted(way[0], math.sqrt(max(0.0, from_m ** 2 - antenna[2] ** 2)) - 4.0)
+    first = np.searchsorted(way[0], math.sqrt(max(0.0, from_m ** 2 - (antenna[2] + 100) ** 2)))
     parts = [facets_between(ground, antenna, np.radians(bearing_deg[k:k + 17])[:, None], way, first)
              for k in range(0, len(bearing_deg) - 1, 16)]
     return [np.concatenate(part) for part in zip(*parts)]

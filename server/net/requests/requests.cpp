@@ -7,7 +7,6 @@
 #include "proto/obliq.pb.h"
 #include "server/control/parameters.h"
 #include "server/control/settings_message.h"
-#include "server/log/log.h"
 #include "server/net/peer.h"
 #include "server/net/rights.h"
 #include "server/net/room.h"

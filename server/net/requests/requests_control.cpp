@@ -7,7 +7,6 @@
 #include "proto/limits.h"
 #include "proto/message_header.h"
 #include "proto/obliq.pb.h"
-#include "server/log/log.h"
 #include "server/net/peer.h"
 #include "server/net/requests/requests.h"
 #include "server/net/rights.h"

@@ -4,6 +4,7 @@
 // tests/bench/asks.cpp).
 // A frame's time by stage: measuring it changes no bit, and what each source does has its stage.
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -52,6 +53,7 @@ TEST_P(AWedge, TakesNoMoreMemoryThanIsSaidWhateverItsPixels) {
     const auto plan = plan_of(settings);
     RenderOptions options;
     options.threads = 1;
+    malloc_trim(0);  // of the tests before
     const std::uint64_t before = memory_of(getpid()).resident_bytes;
     if (!restart_peak_memory()) GTEST_SKIP() << "/proc/self/clear_refs cannot be written";
     ASSERT_TRUE(render_wedges(*plan, {0, 1}, options));
@@ -99,6 +101,7 @@ TEST(WedgeMemory, OfABinOfAWholeCircleIsSmall) {
     RenderOptions options;
     options.threads = 64;
     options.labels = labels;
+    malloc_trim(0);
     const std::uint64_t before = memory_of(getpid()).resident_bytes;
     if (!restart_peak_memory()) GTEST_SKIP() << "/proc/self/clear_refs cannot be written";
     ASSERT_TRUE(render_wedges(*plan, {0, 1}, options));

@@ -90,16 +90,16 @@ class Explain : public testing::Test {
   TestFolder folder_;
 };
 
-/// The town, explained once for several tests.
+/// The town, explained once by one thread for several tests.
 class ExplainedTown : public Explain {
  protected:
   void SetUp() override {
-    static const Outcome outcome = explain(kTown);
-    static const std::vector<Row> rows_of_town = rows();
-    static const std::string markdown = text_of(folder_ / "out_files" / "explain.md");
+    static const Outcome outcome = explain(kTown, {"--threads", "1"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
+    static const std::vector<Row> all = rows();
+    static const std::string markdown = text_of(folder_ / "out_files" / "explain.md");
     outcome_ = outcome;
-    town_ = rows_of_town;
+    town_ = all;
     markdown_ = markdown;
   }
 

@@ -1,4 +1,5 @@
 // obliqd as systemd, a container engine and an operator run it: notifications, signals, JSON lines, health.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -180,6 +181,55 @@ TEST_F(DaemonOperation, HealthTellsLoadingFromReady) {
   const Outcome loading = health({"--set", port, "--ready"});
   EXPECT_EQ(loading.code, 1);
   EXPECT_NE(loading.err.find("answered 503 loading: "), std::string::npos) << loading.err;
+}
+
+/// Says this to whoever connects first, whatever it asks, and closes.
+class SaysOnce {
+ public:
+  explicit SaysOnce(std::string text) : listening_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    auto* const place = reinterpret_cast<sockaddr*>(&address);
+    EXPECT_EQ(bind(listening_, place, size), 0);
+    EXPECT_EQ(listen(listening_, 1), 0);
+    EXPECT_EQ(getsockname(listening_, place, &size), 0);
+    port_ = ntohs(address.sin_port);
+    speaker_ = std::jthread([this, text = std::move(text)] {
+      const int peer = accept(listening_, nullptr, nullptr);
+      char question[1024];
+      EXPECT_GT(read(peer, question, sizeof question), 0);
+      EXPECT_EQ(send(peer, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
+      close(peer);
+      close(listening_);
+    });
+  }
+  std::string port() const { return std::to_string(port_); }
+
+ private:
+  int listening_;
+  std::uint16_t port_ = 0;
+  std::jthread speaker_;
+};
+
+TEST_F(DaemonOperation, HealthBelievesNoHalfAnswer) {
+  const std::string headers = "HTTP/1.1 200 OK\r\n";
+  for (const auto& [said, why] : {std::pair<std::string, std::string>{"", "end of stream"},
+                                  {"HTTP/1.1 20", "partial message"},
+                                  {headers + "Content-Length: 50\r\n\r\nok", "partial message"},
+                                  {headers + "Transfer-Encoding: chunked\r\n\r\n2\r\nok", "partial message"},
+                                  {headers + "\r\n" + std::string(70'000, 'x'), "body limit exceeded"},
+                                  {headers + "Content-Length: 1000000000000000\r\n\r\nok", "partial message"},
+                                  {headers + "X: " + std::string(30'000, 'x'), "header limit exceeded"},
+                                  {"220 this is no web server\r\n\r\n", "bad version"}}) {
+    const SaysOnce peer(said);
+    const Outcome outcome = health({"--set", "http.port=" + peer.port()});
+    EXPECT_EQ(outcome.code, 1) << said.substr(0, 50);
+    EXPECT_NE(outcome.err.find(why), std::string::npos) << said.substr(0, 50) << "\n" << outcome.err;
+  }
+  const SaysOnce whole(headers + "\r\nall is well\n");
+  EXPECT_EQ(health({"--set", "http.port=" + whole.port()}).code, 0);
 }
 
 TEST_F(DaemonOperation, WithTokensTheMetricsNeedOneAndHealthDoesNot) {
