@@ -183,7 +183,7 @@ TEST_F(DaemonOperation, HealthTellsLoadingFromReady) {
   EXPECT_NE(loading.err.find("answered 503 loading: "), std::string::npos) << loading.err;
 }
 
-/// Says this to whoever connects first, whatever it asks, and closes.
+/// Says this to the first client, whatever that asks, and closes.
 class SaysOnce {
  public:
   explicit SaysOnce(std::string text) : listening_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
