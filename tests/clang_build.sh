@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Compiles everything with clang, warnings as errors: GCC and clang must both accept it. The fuzz targets and all that they link are
-# built, the other sources only read, which takes a third of the time. Each fuzz target runs for ten seconds, and a client library that
-# was built without the server, beside a daemon of build/release where there is one.
+# built, the other sources only read, which takes a third of the time. Each fuzz target runs for ten seconds. Where build/release has a
+# daemon, the client library is built without the server and meets it.
 #
 #   tests/clang_build.sh
 set -euo pipefail

@@ -20,10 +20,9 @@ struct fmt::formatter<obliq::NamedValue> {
   template <class Context>
   auto format(const obliq::NamedValue& named, Context& context) const {
     const double* number = std::get_if<double>(&named.value);
-    return std::ranges::copy(
-               number ? obliq::number_text(*number, format_text) : std::get<std::string>(named.value),
-               context.out())
-        .out;
+    const std::string text =
+        number ? obliq::number_text(*number, format_text) : std::get<std::string>(named.value);
+    return std::ranges::copy(text, context.out()).out;  // fmt::format_to would compile all of fmt here
   }
 };
 

@@ -43,14 +43,13 @@ asio::awaitable<void> converse(Stream& stream, const Question& question, Answer&
         unread.prepare(kMaxBuffer - unread.size()), asio::redirect_error(asio::use_awaitable, error));
     unread.commit(read);
     if (error == asio::error::eof) {
-      if (!response.got_some()) throw boost::system::system_error(bhttp::error::end_of_stream);
-      response.put_eof(error);
-      if (error) throw boost::system::system_error(error);
-      break;
+      error = bhttp::error::end_of_stream;
+      if (response.got_some()) response.put_eof(error);
+    } else if (!error) {
+      unread.consume(response.put(unread.data(), error));
+      if (error == bhttp::error::need_more) error = {};
     }
     if (error) throw boost::system::system_error(error);
-    unread.consume(response.put(unread.data(), error));
-    if (error && error != bhttp::error::need_more) throw boost::system::system_error(error);
   }
   answer.body = beast::buffers_to_string(response.get().body().data());
   answer.status = static_cast<int>(response.get().result_int());

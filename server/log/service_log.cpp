@@ -156,16 +156,14 @@ void on_log_line(std::function<void(const std::string& level)> call) {
 
 void report_suppressed_lines() { the_sink()->report(); }
 
-void flush_log() { spdlog::default_logger()->flush(); }
-
 void format_log(LogLevel level, fmt::string_view format, fmt::format_args arguments) noexcept {
-  if (!spdlog::should_log(spdlog_level(level))) return;
+  const auto at = spdlog_level(level);
+  if (!spdlog::should_log(at)) return;
+  spdlog::logger& logger = *spdlog::default_logger_raw();
   try {
-    spdlog::default_logger_raw()->log(spdlog_level(level),
-                                      spdlog::string_view_t(fmt::vformat(format, arguments)));
+    logger.log(at, spdlog::string_view_t(fmt::vformat(format, arguments)));
   } catch (const std::exception&) {
-    spdlog::default_logger_raw()->log(spdlog_level(level),
-                                      spdlog::string_view_t("a line is missing: it could not be formatted"));
+    logger.log(at, spdlog::string_view_t("a line is missing: it could not be formatted"));
   }
 }
 

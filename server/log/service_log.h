@@ -32,9 +32,6 @@ void on_log_line(std::function<void(const std::string& level)> call);
 /// Writes the count of the lines left out, if there are any and their second is over. Once a second or so.
 void report_suppressed_lines();
 
-/// Returns when all lines are with the system.
-void flush_log();
-
 /// A named value of a log line, beside its words.
 struct LogField {
   std::string name;

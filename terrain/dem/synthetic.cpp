@@ -170,9 +170,9 @@ class Fractal {
 /// ramp: slope times the distance along the bearing. ridge: a triangular crest line across the bearing.
 /// wall: a block across the bearing whose near face stands at distance_m and whose far face width_m beyond.
 /// cone: apex at the bearing and distance. hills: between base_m and base_m + height_m everywhere.
-class Shape {
+class SyntheticGround {
  public:
-  Shape(SyntheticKind kind, const SyntheticSpec& spec)
+  SyntheticGround(SyntheticKind kind, const SyntheticSpec& spec)
       : kind_(kind),
         spec_(spec),
         sin_b_(std::sin(spec.bearing_deg * kDegree_rad)),
@@ -241,7 +241,7 @@ SourceError synthetic_error(const HeightGrid& grid, SyntheticKind kind, const Sy
                             const WorldFrame& frame) {
   SourceErrors errors(grid);
   const AnchorMap map(frame, shape.anchor);
-  Shape ground(kind, shape);
+  SyntheticGround ground(kind, shape);
   std::vector<WorldPoint> points;
   for (const glm::dvec2& p : errors.places(grid)) {
     const glm::dvec2 q = map.exact(p);
@@ -257,7 +257,7 @@ void fill_synthetic(HeightGrid& grid, SyntheticKind kind, const SyntheticSpec& s
   const AnchorMap map(frame, shape.anchor);
   for_each_row(grid.nz, [&](int j) {
     auto row = map.row(grid.node_z_m(j));
-    Shape ground(kind, shape);
+    SyntheticGround ground(kind, shape);
     for (int i = 0; i < grid.nx; ++i) {
       const double x_m = grid.node_x_m(i);
       const double z_m = grid.node_z_m(j);

@@ -110,13 +110,13 @@ def lit_facets(ground, antenna, bearing_deg, from_m, to_m):
     sine of elevation, and area square to the line of sight, in m^2, 0 where what is nearer hides it. A few bearings at a time."""
     way = np.arange(60.0, to_m, 2.0)[None, :]
     first = np.searchsorted(way[0], math.sqrt(max(0.0, from_m ** 2 - (antenna[2] + 100) ** 2)))
-    parts = [facets_between(ground, antenna, np.radians(bearing_deg[k:k + 17])[:, None], way, first)
+    parts = [facets_from(ground, antenna, np.radians(bearing_deg[k:k + 17])[:, None], way, first)
              for k in range(0, len(bearing_deg) - 1, 16)]
     return [np.concatenate(part) for part in zip(*parts)]
 
 
-def facets_between(ground, antenna, bearing, way, first):
-    """Those of lit_facets beyond the first so many steps of the way."""
+def facets_from(ground, antenna, bearing, way, first):
+    """lit_facets of neighbouring bearings, from step `first` of the way on: what lies before it only hides."""
     # Places on the ellipsoid by its two radii of curvature at the antenna, as far out as a beam's width matters.
     la = math.radians(antenna[0])
     e2 = FLATTENING * (2 - FLATTENING)

@@ -155,7 +155,6 @@ void Daemon::end_by(double limit_s) {
   std::thread([limit_s] {
     std::this_thread::sleep_for(from_seconds(limit_s));
     log_warning("stopped at server.stop_limit_s; unfinished work was dropped");
-    flush_log();
     _exit(0);
   }).detach();
 }
@@ -163,7 +162,6 @@ void Daemon::end_by(double limit_s) {
 void Daemon::on_signal() {
   if (serving_ == nullptr) {
     log_info("stopping while loading");
-    flush_log();
     _exit(0);  // no client is served yet, and loading cannot be interrupted
   }
   readiness_.stopping();

@@ -1,5 +1,4 @@
 // obliqd as systemd, a container engine and an operator run it: notifications, signals, JSON lines, health.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -22,6 +21,7 @@
 #include "tests/integration/clients.h"
 #include "tests/integration/daemon.h"
 #include "tests/integration/http_peer.h"
+#include "tests/support/loopback.h"
 
 namespace obliq::test::operation_test {
 namespace {
@@ -187,24 +187,23 @@ TEST_F(DaemonOperation, HealthTellsLoadingFromReady) {
 class SaysOnce {
  public:
   explicit SaysOnce(std::string text) : listening_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    auto* const place = reinterpret_cast<sockaddr*>(&address);
-    EXPECT_EQ(bind(listening_, place, size), 0);
+    port_ = bind_to_loopback(listening_);
     EXPECT_EQ(listen(listening_, 1), 0);
-    EXPECT_EQ(getsockname(listening_, place, &size), 0);
-    port_ = ntohs(address.sin_port);
     speaker_ = std::jthread([this, text = std::move(text)] {
       const int peer = accept(listening_, nullptr, nullptr);
       char question[1024];
       EXPECT_GT(read(peer, question, sizeof question), 0);
       EXPECT_EQ(send(peer, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
       close(peer);
-      close(listening_);
     });
   }
+  ~SaysOnce() {
+    shutdown(listening_, SHUT_RDWR);  // where nobody came
+    speaker_.join();
+    close(listening_);
+  }
+  SaysOnce(const SaysOnce&) = delete;
+  SaysOnce& operator=(const SaysOnce&) = delete;
   std::string port() const { return std::to_string(port_); }
 
  private:
