@@ -13,7 +13,7 @@ step "the other sources"
 deploy/install-deps.sh build test
 cmake --preset clang -DOBLIQ_TESTS=ON -DOBLIQ_BENCHMARKS=ON
 # What the sources include and the build makes.
-cmake --build --preset clang --target proto/obliq.pb.h server/http/page_bytes.cpp write_version tests/CMakeFiles/test_headers.dir/cmake_pch.hxx.pch
+cmake --build --preset clang --target proto/obliq.pb.h server/http/page_bytes.cpp write_version
 tests/syntax_only.py build/clang --but-for build/fuzz --jobs "$(parallel_jobs)"
 if [ -x build/release/bin/obliqd ]; then
   step "a client library without the server"

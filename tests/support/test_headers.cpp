@@ -1,1 +1,0 @@
-// Nothing: the precompiled header of the tests is made for this file.
