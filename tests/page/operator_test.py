@@ -116,26 +116,6 @@ class Echoes(BaseOperator):
         self.assertEqual(self.page.script("return obliq.panes.map(({ bins }) => bins.scale.low_dB)"), levels)
         self.assertIn("low2=", self.page.script("return location.hash"))
 
-    # ---- A turning aircraft
-
-    def test_a_turning_antenna_leaves_no_gaps(self):
-        self.show("a=turning&glow=0")
-        pass_s = 3.0
-        for rate_deg_s in (20, -20, 60):
-            with self.server.radar("turning").control() as control:
-                began = time.monotonic()
-                while (since := time.monotonic() - began) < 2.2 * pass_s:
-                    control.set_pose(bearing_deg=(60 + rate_deg_s * since + 180) % 360 - 180)
-                    time.sleep(0.03)
-                # While it still turns: how long ago was each azimuth shown?
-                ages = self.page.script("const { seen_ms } = obliq.panes[0].bins, now = performance.now(); return [...seen_ms].map((ms) => ms > -1e12 ? now - ms : null)")
-            self.assertNotIn(None, ages)
-            # Against the scan a turn takes longer: 360 degrees at 120 less 20 a second.
-            limit_s = 360 / (120 - max(0, -rate_deg_s)) + 1.0
-            old = [round(age / 1000, 2) for age in ages if age > 1000 * limit_s]
-            print(f"  {rate_deg_s} deg/s: {len(old)} of {len(ages)} azimuths older than a turn")
-            self.assertLessEqual(len(old), 2, old)
-
     # ---- Range scales
 
     def test_no_scale_is_refused_by_the_sea_knob(self):
@@ -207,19 +187,6 @@ class Echoes(BaseOperator):
 
 
 class Lines(BaseOperator):
-    # ---- Words and lines on the picture
-
-    def test_the_picture_carries_its_own_numbers(self):
-        with self.server.radar("turning").control() as control:
-            control.set_pose(bearing_deg=60.0)
-        self.show("a=turning&unit=NM")
-        words = "return [...document.querySelectorAll('.annun')].map(({ textContent }) => textContent).join('|')"
-        support.await_that(lambda: "HDG 060.0° T" in self.page.script(words), "words in the corners")
-        text = self.page.script(words)
-        for part in ("RNG 8.1 NM", "TURNING 20 RPM", "N UP  T", "HDG 060.0° T", "33°00.0′N", "099°30.0′W", "HGT 2500 m", "GAIN 0 dB", "SEA OFF", "RAIN OFF",
-                     "TILT −8.0°"):
-            self.assertIn(part, text)
-
     def test_lines_and_markers_are_set_by_number_and_stand_apart(self):
         self.show("a=turning&up=north&unit=NM")
         for field, value in (("ebl-1-at", "45"), ("vrm-2-at", "5.5")):
@@ -287,6 +254,65 @@ class Lines(BaseOperator):
         with self.server.radar("turning").control() as control:
             control.set_pose(height_m=2500.0, height_reference="datum")
 
+    def test_a_b_scope_has_bearings_across_and_ranges_upwards(self):
+        self.show("a=nose&bscope=1")
+        self.page.await_frame(2)
+        wrong = self.page.script("""
+            const { ppi, bins: { placement } } = obliq.panes[0], { table, view } = ppi, k = view.width / ppi.width;
+            const under = new Int32Array(view.width * view.height).fill(-1);
+            for (let n = 0; n < table.size; ++n) under[table.pixels[n]] = table.bins[n];
+            let wrong = 0;
+            for (let row = 3; row < placement.azimuths; row += 17)
+              for (let column = 2; column < placement.ranges; column += 13) {
+                const [x, y] = ppi.screenOf(placement.start_deg + (row + 0.5) * placement.width_deg, placement.r0_m + (column + 0.5) * placement.spacing_m);
+                const at = ppi.read(ppi.fromScreen(x, y));
+                if (under[Math.floor(y * k) * view.width + Math.floor(x * k)] !== row * placement.ranges + column || at.row !== row || at.column !== column) ++wrong;
+              }
+            return wrong;""")
+        self.assertEqual(wrong, 0)
+
+    def test_a_fan_fills_the_window_with_its_bearing_up(self):
+        self.show("a=nose")
+        wide = self.page.script("""const { ppi, bins: { placement } } = obliq.panes[0];
+            const points = [0, 0.25, 0.5, 0.75, 1].map((k) => ppi.screenOf(placement.start_deg + k * placement.sector_deg, placement.rMax_m));
+            const xs = points.map(([x]) => x), ys = [ppi.toScreen(0, 0)[1], ...points.map(([, y]) => y)];
+            return [(Math.max(...xs) - Math.min(...xs)) / ppi.width, (Math.max(...ys) - Math.min(...ys)) / ppi.height, points[2][0] / ppi.width];""")
+        self.assertGreater(max(wide[0], wide[1]), 0.85)
+        self.assertAlmostEqual(wide[2], 0.5, delta=0.02)
+
+
+class Turning(BaseOperator):
+    def test_a_turning_antenna_leaves_no_gaps(self):
+        self.show("a=turning&glow=0")
+        pass_s = 3.0
+        for rate_deg_s in (20, -20, 60):
+            with self.server.radar("turning").control() as control:
+                began = time.monotonic()
+                while (since := time.monotonic() - began) < 2.2 * pass_s:
+                    control.set_pose(bearing_deg=(60 + rate_deg_s * since + 180) % 360 - 180)
+                    time.sleep(0.03)
+                # While it still turns: how long ago was each azimuth shown?
+                ages = self.page.script("const { seen_ms } = obliq.panes[0].bins, now = performance.now(); return [...seen_ms].map((ms) => ms > -1e12 ? now - ms : null)")
+            self.assertNotIn(None, ages)
+            # Against the scan a turn takes longer: 360 degrees at 120 less 20 a second.
+            limit_s = 360 / (120 - max(0, -rate_deg_s)) + 1.0
+            old = [round(age / 1000, 2) for age in ages if age > 1000 * limit_s]
+            print(f"  {rate_deg_s} deg/s: {len(old)} of {len(ages)} azimuths older than a turn")
+            self.assertLessEqual(len(old), 2, old)
+
+
+class Words(BaseOperator):
+    def test_the_picture_carries_its_own_numbers(self):
+        with self.server.radar("turning").control() as control:
+            control.set_pose(bearing_deg=60.0)
+        self.show("a=turning&unit=NM")
+        words = "return [...document.querySelectorAll('.annun')].map(({ textContent }) => textContent).join('|')"
+        support.await_that(lambda: "HDG 060.0° T" in self.page.script(words), "words in the corners")
+        text = self.page.script(words)
+        for part in ("RNG 8.1 NM", "TURNING 20 RPM", "N UP  T", "HDG 060.0° T", "33°00.0′N", "099°30.0′W", "HGT 2500 m", "GAIN 0 dB", "SEA OFF", "RAIN OFF",
+                     "TILT −8.0°"):
+            self.assertIn(part, text)
+
     def test_the_course_of_a_flight_is_said_and_may_be_up(self):
         self.show("a=nose&up=course")
         with self.server.radar("nose").control() as control:
@@ -312,23 +338,6 @@ class Lines(BaseOperator):
             self.assertAlmostEqual(self.page.script("return obliq.panes[0].heading.course_deg"), 126.8699, delta=1e-3)
             control.set_pose(latitude_deg=33.0, longitude_deg=-99.5)
 
-    def test_a_b_scope_has_bearings_across_and_ranges_upwards(self):
-        self.show("a=nose&bscope=1")
-        self.page.await_frame(2)
-        wrong = self.page.script("""
-            const { ppi, bins: { placement } } = obliq.panes[0], { table, view } = ppi, k = view.width / ppi.width;
-            const under = new Int32Array(view.width * view.height).fill(-1);
-            for (let n = 0; n < table.size; ++n) under[table.pixels[n]] = table.bins[n];
-            let wrong = 0;
-            for (let row = 3; row < placement.azimuths; row += 17)
-              for (let column = 2; column < placement.ranges; column += 13) {
-                const [x, y] = ppi.screenOf(placement.start_deg + (row + 0.5) * placement.width_deg, placement.r0_m + (column + 0.5) * placement.spacing_m);
-                const at = ppi.read(ppi.fromScreen(x, y));
-                if (under[Math.floor(y * k) * view.width + Math.floor(x * k)] !== row * placement.ranges + column || at.row !== row || at.column !== column) ++wrong;
-              }
-            return wrong;""")
-        self.assertEqual(wrong, 0)
-
     def test_letters_follow_the_screen(self):
         self.show("a=nose")
         size = "return [parseFloat(getComputedStyle(document.querySelector('.annun')).fontSize), parseFloat(getComputedStyle(document.body).fontSize)]"
@@ -342,17 +351,6 @@ class Lines(BaseOperator):
         self.page.script("const s = document.getElementById('size'); s.value = '1.25'; s.dispatchEvent(new Event('change'))")
         self.page.await_script("obliq.look.px > 3.4", "25 % more")
         self.assertIn("size=1.25", self.page.script("return location.hash"))
-
-    def test_a_fan_fills_the_window_with_its_bearing_up(self):
-        self.show("a=nose")
-        wide = self.page.script("""const { ppi, bins: { placement } } = obliq.panes[0];
-            const points = [0, 0.25, 0.5, 0.75, 1].map((k) => ppi.screenOf(placement.start_deg + k * placement.sector_deg, placement.rMax_m));
-            const xs = points.map(([x]) => x), ys = [ppi.toScreen(0, 0)[1], ...points.map(([, y]) => y)];
-            return [(Math.max(...xs) - Math.min(...xs)) / ppi.width, (Math.max(...ys) - Math.min(...ys)) / ppi.height, points[2][0] / ppi.width];""")
-        self.assertGreater(max(wide[0], wide[1]), 0.85)
-        self.assertAlmostEqual(wide[2], 0.5, delta=0.02)
-
-    # ---- Knobs and banners
 
     def test_the_wheel_turns_a_field_and_g_goes_to_the_gain(self):
         self.show("a=nose&tab=radar")
