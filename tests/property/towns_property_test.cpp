@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <thread>
+#include <future>
 
 #include "server/accuracy/bin_errors.h"
 #include "server/accuracy/sampling_case.h"
@@ -153,9 +153,10 @@ void add_towns(std::uint64_t first, std::uint64_t end, std::vector<Errors>& erro
 TEST(RandomTowns, AreMuchTheSameWithFewPlanesAndWithSubColumns) {
   std::vector<Errors> errors(std::size(kLimits));
   std::vector<Errors> second_half(std::size(kLimits));
-  std::thread second([&] { add_towns(kTowns / 2, kTowns, second_half); });
+  auto second = std::async(std::launch::async, [&] { add_towns(kTowns / 2, kTowns, second_half); });
   add_towns(0, kTowns / 2, errors);
-  second.join();
+  second.get();
+  if (HasFatalFailure()) return;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     errors[k].add(second_half[k]);
     const Limits& limits = kLimits[k];
