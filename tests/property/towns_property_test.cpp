@@ -3,15 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
-#include <future>
 
 #include "server/accuracy/bin_errors.h"
 #include "server/accuracy/sampling_case.h"
 #include "server/accuracy/truth_bins.h"
 #include "server/radar/narrow_bins.h"
 #include "server/rendering/parked_work.h"
+#include "terrain/base/parallel.h"
 #include "tests/property/trial.h"
 #include "tests/support/random_towns.h"
 #include "tests/support/same_bits.h"
@@ -64,21 +65,35 @@ Rendered render_all(const test::Trial& trial, const RadarSettings& s) {
   return rendered;
 }
 
-/// Errors of frames against those of many planes, town by town.
+/// How far a frame of a town is from that of many planes. Nothing where the town is not seen.
+struct TownErrors {
+  BinErrors bins;
+  std::uint64_t seen = 0, missed = 0;  // buildings
+};
+
+TownErrors errors_of(const Rendered& rendered, const Rendered& reference, const test::Trial& trial) {
+  TownErrors town;
+  town.bins =
+      bin_errors(rendered.frame.bins.power_w, reference.frame.bins.power_w, range_bins(trial.settings));
+  for (std::uint32_t b = 0; b < trial.scene->world().buildings.list.size(); ++b) {
+    if (!reference.plan->looks_at().seen().has(b)) continue;
+    ++town.seen;
+    if (!rendered.plan->looks_at().seen().has(b)) ++town.missed;
+  }
+  return town;
+}
+
+/// Those of all towns.
 struct Errors {
   std::vector<double> power_error;  // E
   std::vector<double> energy;       // |of the total|
   double gaps = 0, lit = 0, false_light_w = 0, truth_w = 0, energy_w = 0;
   std::uint64_t seen = 0, missed = 0;
 
-  void add(const Rendered& rendered, const Rendered& reference, const RadarSettings& s,
-           std::size_t buildings) {
-    const BinErrors e = bin_errors(rendered.frame.bins.power_w, reference.frame.bins.power_w, range_bins(s));
-    for (std::uint32_t b = 0; b < buildings; ++b) {
-      if (!reference.plan->looks_at().seen().has(b)) continue;
-      ++seen;
-      if (!rendered.plan->looks_at().seen().has(b)) ++missed;
-    }
+  void add(const TownErrors& town) {
+    const BinErrors& e = town.bins;
+    seen += town.seen;
+    missed += town.missed;
     if (e.lit == 0) return;
     power_error.push_back(e.power_error);
     energy.push_back(std::abs(e.energy_error()));
@@ -88,19 +103,6 @@ struct Errors {
     energy_w += e.energy_w / e.truth_energy_w;
     truth_w += 1;
     false_light_w += e.false_light_energy();
-  }
-
-  /// Those of other towns.
-  void add(const Errors& others) {
-    power_error.insert(power_error.end(), others.power_error.begin(), others.power_error.end());
-    energy.insert(energy.end(), others.energy.begin(), others.energy.end());
-    gaps += others.gaps;
-    lit += others.lit;
-    false_light_w += others.false_light_w;
-    truth_w += others.truth_w;
-    energy_w += others.energy_w;
-    seen += others.seen;
-    missed += others.missed;
   }
 
   static double at(std::vector<double> values, double share) {
@@ -134,33 +136,25 @@ constexpr Limits kLimits[] = {
     {{"8 planes, 64 sub-columns", 8, 64}, 0.0017, 0.018, 0.15, 0.0078, 1.5e-4, 0.0105, 0.0015},
 };
 
-/// The errors of each of kLimits over these towns.
-void add_towns(std::uint64_t first, std::uint64_t end, std::vector<Errors>& errors) {
-  for (std::uint64_t seed = first; seed < end; ++seed) {
-    const test::Trial trial = trial_of(seed);
+TEST(RandomTowns, AreMuchTheSameWithFewPlanesAndWithSubColumns) {
+  std::vector<std::array<TownErrors, std::size(kLimits)>> towns(kTowns);
+  for_each_row(kTowns, [&](int seed) {
+    const test::Trial trial = trial_of(static_cast<std::uint64_t>(seed));
     SCOPED_TRACE(trial.text);
     const Rendered reference = render_all(trial, kReference.of(trial.settings));
-    if (!reference.plan) continue;
-    for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (!reference.plan) return;
+    for (std::size_t k = 0; k < std::size(kLimits); ++k) {
       const Rendered rendered = render_all(trial, kLimits[k].sweep.of(trial.settings));
       ASSERT_TRUE(rendered.plan);
       test::expect_sane(rendered.frame, trial.settings, trial.scene->materials());
-      errors[k].add(rendered, reference, trial.settings, trial.scene->world().buildings.list.size());
+      towns[static_cast<std::size_t>(seed)][k] = errors_of(rendered, reference, trial);
     }
-  }
-}
-
-TEST(RandomTowns, AreMuchTheSameWithFewPlanesAndWithSubColumns) {
-  std::vector<Errors> errors(std::size(kLimits));
-  std::vector<Errors> second_half(std::size(kLimits));
-  auto second = std::async(std::launch::async, [&] { add_towns(kTowns / 2, kTowns, second_half); });
-  add_towns(0, kTowns / 2, errors);
-  second.get();
+  });
   if (HasFatalFailure()) return;
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    errors[k].add(second_half[k]);
+  for (std::size_t k = 0; k < std::size(kLimits); ++k) {
+    Errors e;
+    for (const auto& town : towns) e.add(town[k]);
     const Limits& limits = kLimits[k];
-    const Errors& e = errors[k];
     SCOPED_TRACE(limits.sweep.name);
     e.print(limits.sweep.name);
     EXPECT_GE(e.power_error.size(), 2500u);

@@ -198,7 +198,7 @@ class SaysOnce {
     });
   }
   ~SaysOnce() {
-    shutdown(listening_, SHUT_RDWR);  // where nobody came
+    shutdown(listening_, SHUT_RDWR);  // where no client connected
     speaker_.join();
     close(listening_);
   }
